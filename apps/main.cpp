@@ -1,0 +1,41 @@
+// penumbra: stereo visual SLAM that sees half-hidden things. This file parses the command line, picks the
+// subcommand and turns exceptions into exit codes: 0 done, 1 failed while running, 2 wrong arguments.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
+#include "apps/commands.h"
+#include "nn/base/error.h"
+
+namespace {
+
+constexpr int kExitFailed = 1;
+constexpr int kExitUsage = 2;
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Results go to stdout, everything else to stderr.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("penumbra"));
+  spdlog::set_pattern("%^%l%$: %v");
+
+  CLI::App app{"Penumbra: stereo visual SLAM that sees half-hidden things", "penumbra"};
+  app.set_version_flag("--version", "penumbra 0.1.0");
+  app.require_subcommand(1);
+  app.footer("Run `penumbra COMMAND --help` for a command's options and examples.");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  } catch (const penumbra::UsageError& error) {
+    spdlog::error("{}", error.what());
+    return kExitUsage;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kExitFailed;
+  }
+  return 0;
+}

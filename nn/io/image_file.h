@@ -1,0 +1,19 @@
+// Image files, with errors that say what is wrong with them.
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+
+namespace penumbra::nn {
+
+enum class ImageColour { grey, bgr };
+
+// Reads an 8-bit PNG or JPEG (16-bit PNGs are scaled down), converted to grey or BGR; EXIF rotation is
+// ignored. Throws InputError where the file is missing, is not an image, or ends before its last row (a torn
+// file is never returned half-filled).
+cv::Mat read_image(const std::filesystem::path& path, ImageColour colour);
+
+// Writes `image` (8-bit grey or BGR) in the format of the name's ending; throws Error where that fails.
+void write_image(const std::filesystem::path& path, const cv::Mat& image);
+
+}  // namespace penumbra::nn

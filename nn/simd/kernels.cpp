@@ -1,0 +1,2 @@
+// The vector kernels of one instruction set; compiled once per instruction set with PENUMBRA_ISA set.
+namespace penumbra::nn::PENUMBRA_ISA {}

@@ -1,0 +1,26 @@
+// An object instance found in one image, as the SLAM sees it: independent of the network that found it.
+#pragma once
+
+#include <functional>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace penumbra::slam {
+
+struct Instance {
+  int class_id = 0;        // number of the class in the detector's own list
+  std::string class_name;  // "car", "person", ...
+  float score = 0.0F;      // 0..1
+  cv::Rect region;         // pixels of the left image; lies inside the image
+  cv::Mat1b mask;          // size of `region`; 0 outside the object, 255 inside
+
+  bool contains(const cv::Point& pixel) const {
+    return region.contains(pixel) && mask(pixel - region.tl()) != 0;
+  }
+};
+
+// Finds the instances of an image (8-bit grey or BGR).
+using Segmenter = std::function<std::vector<Instance>(const cv::Mat& image)>;
+
+}  // namespace penumbra::slam

@@ -1,0 +1,59 @@
+#include "slam/geometry/se3.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+namespace penumbra::slam {
+namespace {
+
+Vector6d random_twist(std::mt19937& random, double angle) {
+  std::normal_distribution<double> normal;
+  Vector6d xi;
+  for (int i = 0; i < 6; ++i) xi[i] = normal(random);
+  xi.tail<3>() *= angle / xi.tail<3>().norm();
+  return xi;
+}
+
+TEST(SE3, LogInvertsExpAtEveryAngle) {
+  std::mt19937 random(1);
+  for (const double angle : {0.0, 1e-12, 1e-7, 1e-5, 1e-3, 0.1, 1.0, 3.0, std::numbers::pi - 1e-6}) {
+    const Vector6d xi = random_twist(random, angle);
+    EXPECT_LT((SE3::exp(xi).log() - xi).norm(), 1e-8) << "angle " << angle;
+  }
+}
+
+TEST(SE3, ExpMatchesThePowerSeries) {
+  std::mt19937 random(2);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vector6d xi = random_twist(random, 0.5);
+    Eigen::Matrix4d generator = Eigen::Matrix4d::Zero();
+    generator.topLeftCorner<3, 3>() = skew(xi.tail<3>());
+    generator.topRightCorner<3, 1>() = xi.head<3>();
+    Eigen::Matrix4d term = Eigen::Matrix4d::Identity(), sum = term;
+    for (int n = 1; n < 30; ++n) sum += term = term * generator / n;
+    const SE3 pose = SE3::exp(xi);
+    EXPECT_LT((pose.rotation - sum.topLeftCorner<3, 3>()).norm(), 1e-12);
+    EXPECT_LT((pose.translation - sum.topRightCorner<3, 1>()).norm(), 1e-12);
+  }
+}
+
+TEST(SE3, InverseAndProductAgreeOnPoints) {
+  std::mt19937 random(3);
+  const SE3 a = SE3::exp(random_twist(random, 1.2)), b = SE3::exp(random_twist(random, 2.1));
+  const Eigen::Vector3d p(1.0, -2.0, 3.0);
+  EXPECT_LT(((a * b) * p - a * (b * p)).norm(), 1e-12);
+  EXPECT_LT(((a * a.inverse()) * p - p).norm(), 1e-12);
+}
+
+TEST(SE3, NormalizeRestoresTheRotation) {
+  std::mt19937 random(4);
+  SE3 pose = SE3::exp(random_twist(random, 0.7));
+  pose.rotation *= 1.0 + 1e-4;
+  pose.normalize();
+  EXPECT_LT((pose.rotation * pose.rotation.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace penumbra::slam

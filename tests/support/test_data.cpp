@@ -1,0 +1,59 @@
+#include "tests/support/test_data.h"
+
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+namespace penumbra::test {
+
+namespace {
+
+std::string read_all(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+std::filesystem::path data_root() {
+  const char* root = std::getenv("PENUMBRA_DATA");
+  return root != nullptr ? std::filesystem::path(root)
+                         : std::filesystem::path(PENUMBRA_SOURCE_DIR) / "../shared/data";
+}
+
+bool data_is_required() {
+  const char* required = std::getenv("PENUMBRA_REQUIRE_DATA");
+  return required != nullptr && std::string(required) == "1";
+}
+
+std::filesystem::path fixture(const std::string& name) {
+  return std::filesystem::path(PENUMBRA_SOURCE_DIR) / "tests/fixtures" / name;
+}
+
+TemporaryDirectory::TemporaryDirectory() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "penumbra_test_XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
+  path_ = pattern;
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+ProgramResult run_penumbra(const std::string& arguments) {
+  const TemporaryDirectory scratch;
+  const std::string command = std::string(PENUMBRA_BINARY) + " " + arguments + " >" +
+                              (scratch / "out").string() + " 2>" + (scratch / "err").string() + " </dev/null";
+  const int status = std::system(command.c_str());
+  ProgramResult result;
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.out = read_all(scratch / "out");
+  result.err = read_all(scratch / "err");
+  return result;
+}
+
+}  // namespace penumbra::test
