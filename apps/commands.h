@@ -4,4 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
-namespace penumbra::apps {}  // namespace penumbra::apps
+namespace penumbra::apps {
+
+void add_convert_command(CLI::App& app);
+void add_info_command(CLI::App& app);
+
+}  // namespace penumbra::apps
