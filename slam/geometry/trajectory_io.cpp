@@ -75,8 +75,8 @@ Trajectory read_tum_trajectory(const std::filesystem::path& path) {
     if (!(std::abs(q.norm() - 1.0) <= kRotationTolerance)) {
       throw InputError(place, "a unit quaternion", fmt::format("one of length {:.6g}", q.norm()));
     }
-    if (!trajectory.empty() && v[0] <= trajectory.back().timestamp) {
-      throw InputError(place, fmt::format("a time after {:.6f} s", trajectory.back().timestamp),
+    if (!trajectory.empty() && v[0] < trajectory.back().timestamp) {
+      throw InputError(place, fmt::format("a time of {:.6f} s or later", trajectory.back().timestamp),
                        fmt::format("{:.6f} s", v[0]));
     }
     trajectory.push_back({v[0], {q.normalized().toRotationMatrix(), {v[1], v[2], v[3]}}});

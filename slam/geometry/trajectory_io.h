@@ -5,7 +5,7 @@
 //
 // Readers throw InputError naming file and line: a wrong number of columns, something not a number, NaN, a
 // matrix that is no rotation (an entry of R^T R off by more than kRotationTolerance, or det R < 0), a
-// quaternion whose length is off by more than that, times that do not increase, no pose at all. KITTI
+// quaternion whose length is off by more than that, times that go back, no pose at all. KITTI
 // rotations are kept exactly as read, rounding included (as evo does): re-orthonormalising would change the
 // numbers that others compute from the same file. Quaternions are divided by their length (as evo does).
 // Writers keep 17 digits, so that reading gives back the same doubles; they write under a temporary name
