@@ -29,6 +29,8 @@ const std::vector<double>& default_segment_lengths() {
   return lengths;
 }
 
+double path_length(const Trajectory& trajectory) { return path_distances(trajectory).back(); }
+
 KittiMetrics kitti_metrics(const Trajectory& reference, const Trajectory& estimate,
                            const std::vector<double>& lengths) {
   require_paired(reference, estimate, 1);

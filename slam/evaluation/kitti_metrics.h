@@ -31,6 +31,9 @@ struct SegmentDrift {
   double rotation = 0.0;     // r_rel, degrees per 100 m
 };
 
+// Length of the path through all positions, metres.
+double path_length(const Trajectory& trajectory);
+
 struct KittiMetrics {
   SegmentDrift overall;
   std::vector<SegmentDrift> by_length;  // as many as lengths asked for, in their order

@@ -54,6 +54,14 @@ std::vector<SE3> read_kitti_poses(const std::filesystem::path& path) {
   return poses;
 }
 
+Trajectory read_kitti_trajectory(const std::filesystem::path& path) {
+  Trajectory trajectory;
+  for (const SE3& pose : read_kitti_poses(path)) {
+    trajectory.push_back({static_cast<double>(trajectory.size()), pose});
+  }
+  return trajectory;
+}
+
 void write_kitti_poses(const std::filesystem::path& path, const std::vector<SE3>& poses) {
   std::string text;
   for (const SE3& pose : poses) append_kitti_row(text, pose);
@@ -98,6 +106,10 @@ void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& t
 }
 
 const char* to_string(TrajectoryFormat format) { return format == TrajectoryFormat::kitti ? "kitti" : "tum"; }
+
+Trajectory read_trajectory(const std::filesystem::path& path, TrajectoryFormat format) {
+  return format == TrajectoryFormat::kitti ? read_kitti_trajectory(path) : read_tum_trajectory(path);
+}
 
 TrajectoryFormat detect_trajectory_format(const std::filesystem::path& path) {
   nn::NumberFileReader reader(path, "a pose");

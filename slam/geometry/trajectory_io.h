@@ -25,8 +25,9 @@ namespace penumbra::slam {
 
 inline constexpr double kRotationTolerance = 1e-3;
 
-// Poses T_wc, one per line.
+// Poses T_wc, one per line. The second form gives pose i the time i, for KITTI files carry none.
 std::vector<SE3> read_kitti_poses(const std::filesystem::path& path);
+Trajectory read_kitti_trajectory(const std::filesystem::path& path);
 void write_kitti_poses(const std::filesystem::path& path, const std::vector<SE3>& poses);
 void write_kitti_poses(const std::filesystem::path& path, const Trajectory& trajectory);
 
@@ -35,6 +36,7 @@ void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& t
 
 enum class TrajectoryFormat { kitti, tum };
 const char* to_string(TrajectoryFormat format);
+Trajectory read_trajectory(const std::filesystem::path& path, TrajectoryFormat format);
 // By the number of columns in the first record: 12 or 8. Throws InputError for any other.
 TrajectoryFormat detect_trajectory_format(const std::filesystem::path& path);
 

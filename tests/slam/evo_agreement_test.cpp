@@ -12,14 +12,6 @@
 namespace penumbra::slam {
 namespace {
 
-Trajectory kitti_trajectory(const std::filesystem::path& path) {
-  Trajectory trajectory;
-  for (const SE3& pose : read_kitti_poses(path)) {
-    trajectory.push_back({static_cast<double>(trajectory.size()), pose});
-  }
-  return trajectory;
-}
-
 void expect_agreement(const ErrorStatistics& ours, const nlohmann::json& evo, const std::string& name) {
   const std::pair<const char*, double> values[] = {
       {"rmse", ours.rmse}, {"mean", ours.mean}, {"median", ours.median}, {"std", ours.std},
@@ -52,7 +44,8 @@ TEST(EvoAgreement, KittiTrajectories) {
   const nlohmann::json evo = nlohmann::json::parse(std::ifstream(folder / "expected_evo.json"));
   for (const std::string name : {"KITTI_00_ORB", "KITTI_00_SPTAM"}) {
     SCOPED_TRACE(name);
-    expect_agreement({kitti_trajectory(reference), kitti_trajectory(folder / (name + ".txt"))}, evo.at(name));
+    expect_agreement({read_kitti_trajectory(reference), read_kitti_trajectory(folder / (name + ".txt"))},
+                     evo.at(name));
   }
 }
 
