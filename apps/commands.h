@@ -6,6 +6,7 @@
 
 namespace penumbra::apps {
 
+void add_segment_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_eval_command(CLI::App& app);

@@ -8,8 +8,9 @@
 
 namespace penumbra::nn {
 
-FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix) {
-  const bool attention = weights.has(prefix + "attention.0.spatial.weight");
+FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix, bool attention) {
+  if (!attention) weights.ignore(prefix + "attention.");
+  attention = attention && weights.has(prefix + "attention.0.spatial.weight");
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const std::string inner = fmt::format("{}inner_blocks.{}.0.", prefix, k);
     const std::string outer = fmt::format("{}layer_blocks.{}.0.", prefix, k);

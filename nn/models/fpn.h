@@ -30,7 +30,8 @@ constexpr int kPyramidLevels = 5;  // P2..P6
 class FeaturePyramid {
  public:
   FeaturePyramid() = default;
-  FeaturePyramid(WeightReader& weights, const std::string& prefix);
+  // `attention` false leaves out the attention that the weights may have.
+  FeaturePyramid(WeightReader& weights, const std::string& prefix, bool attention = true);
 
   bool has_attention() const { return levels_.front().spatial.has_value(); }
 

@@ -62,7 +62,7 @@ MaskRcnn::MaskRcnn(const StateDict& state_dict, MaskRcnnConfig config) : config_
   const StateDict renamed = with_current_names(state_dict);
   WeightReader weights(renamed);
   backbone_ = ResNet(weights, "backbone.body.", kResNet50Blocks, config_.batch_norm_eps);
-  pyramid_ = FeaturePyramid(weights, "backbone.fpn.");
+  pyramid_ = FeaturePyramid(weights, "backbone.fpn.", config_.attention);
   rpn_ = RegionProposalNetwork(weights, "rpn.head.", config_.rpn);
   box_head_ = BoxHead(weights, "roi_heads.", config_.box_head);
   mask_head_ = MaskHead(weights, "roi_heads.", box_head_.classes(), config_.mask_head);

@@ -28,6 +28,7 @@ struct MaskRcnnConfig {
   MaskHeadConfig mask_head;
   float batch_norm_eps = 1e-5F;  // 0 for torchvision's released COCO_V1 weights
   float mask_threshold = 0.5F;
+  bool attention = true;  // false: leave out attention weights, the baseline network
 };
 
 // An object instance found in an image.

@@ -1,0 +1,72 @@
+#include "nn/models/class_names.h"
+
+#include <array>
+#include <string_view>
+
+#include "nn/base/error.h"
+#include "nn/io/file.h"
+
+namespace penumbra::nn {
+
+namespace {
+
+// COCO's category numbers have gaps, 91 in all with the background; torchvision's models keep the gaps.
+constexpr std::array<const char*, 91> kCoco{
+    "background",  "person",        "bicycle",       "car",          "motorcycle",     "airplane",
+    "bus",         "train",         "truck",         "boat",         "traffic light",  "fire hydrant",
+    "street sign", "stop sign",     "parking meter", "bench",        "bird",           "cat",
+    "dog",         "horse",         "sheep",         "cow",          "elephant",       "bear",
+    "zebra",       "giraffe",       "hat",           "backpack",     "umbrella",       "shoe",
+    "eye glasses", "handbag",       "tie",           "suitcase",     "frisbee",        "skis",
+    "snowboard",   "sports ball",   "kite",          "baseball bat", "baseball glove", "skateboard",
+    "surfboard",   "tennis racket", "bottle",        "plate",        "wine glass",     "cup",
+    "fork",        "knife",         "spoon",         "bowl",         "banana",         "apple",
+    "sandwich",    "orange",        "broccoli",      "carrot",       "hot dog",        "pizza",
+    "donut",       "cake",          "chair",         "couch",        "potted plant",   "bed",
+    "mirror",      "dining table",  "window",        "desk",         "toilet",         "door",
+    "tv",          "laptop",        "mouse",         "remote",       "keyboard",       "cell phone",
+    "microwave",   "oven",          "toaster",       "sink",         "refrigerator",   "blender",
+    "book",        "clock",         "vase",          "scissors",     "teddy bear",     "hair drier",
+    "toothbrush"};
+
+std::vector<std::string> split(std::string_view text, std::string_view separators) {
+  std::vector<std::string> names;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(separators), text.size());
+    std::string_view name = text.substr(0, end);
+    while (!name.empty() && (name.back() == '\r' || name.back() == ' ')) name.remove_suffix(1);
+    while (!name.empty() && name.front() == ' ') name.remove_prefix(1);
+    if (!name.empty()) names.emplace_back(name);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return names;
+}
+
+std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place) {
+  const int count = static_cast<int>(names.size());
+  if (count == classes - 1) names.insert(names.begin(), "background");
+  if (static_cast<int>(names.size()) != classes) {
+    throw InputError(place,
+                     fmt::format("{} class names (or {} without the background)", classes, classes - 1),
+                     fmt::format("{}", count));
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> class_names(const StateDict& weights, int classes,
+                                     const std::filesystem::path& file) {
+  if (!file.empty())
+    return checked(split(read_file(file, "a list of class names"), "\n"), classes, file.string());
+  const auto listed = weights.metadata.find("classes");
+  if (listed != weights.metadata.end()) {
+    return checked(split(listed->second, ",\n"), classes, weights.source + ", metadata classes");
+  }
+  if (classes == static_cast<int>(kCoco.size())) return {kCoco.begin(), kCoco.end()};
+  std::vector<std::string> names{"background"};
+  for (int c = 1; c < classes; ++c) names.push_back(fmt::format("class {}", c));
+  return names;
+}
+
+}  // namespace penumbra::nn

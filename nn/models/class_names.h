@@ -1,0 +1,21 @@
+// What a detector's class numbers are called.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "nn/io/state_dict.h"
+
+namespace penumbra::nn {
+
+// One name a class, index = class number, 0 the background. The first of these that there is:
+//   `file` (may be empty): one name a line; the background's line may be left out
+//   metadata "classes" of the weights: the same, separated by commas or line breaks
+//   COCO's 91 names where the network has 91 classes
+//   "class 1", "class 2", ...
+// Throws InputError where a list does not have one name a class.
+std::vector<std::string> class_names(const StateDict& weights, int classes,
+                                     const std::filesystem::path& file);
+
+}  // namespace penumbra::nn
