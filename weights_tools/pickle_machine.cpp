@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <unordered_map>
+#include <limits>
+#include <optional>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
@@ -274,12 +275,21 @@ class PickleMachine {
     drop_to(begin);
   }
 
-  void put(std::size_t index) { memo_[index] = top(); }
+  // Pickles number what they store from 0 upwards, so a table suffices.
+  void put(std::size_t index) {
+    if (index >= kMostPickledValues) {
+      heap_.fail(fmt::format("a memo index below {}", kMostPickledValues), fmt::format("{}", index));
+    }
+    const ValueId value = top();
+    if (index >= memo_.size()) memo_.resize(index + 1, kNothing);
+    memo_[index] = value;
+  }
 
   void get(std::size_t index) {
-    const auto found = memo_.find(index);
-    if (found == memo_.end()) heap_.fail("a value that was stored before", fmt::format("memo {}", index));
-    stack_.push_back(found->second);
+    if (index >= memo_.size() || memo_[index] == kNothing) {
+      heap_.fail("a value that was stored before", fmt::format("memo {}", index));
+    }
+    stack_.push_back(memo_[index]);
   }
 
   void push_global(std::string_view module, std::string_view name) {
@@ -301,11 +311,13 @@ class PickleMachine {
     }
   }
 
+  static constexpr ValueId kNothing = std::numeric_limits<ValueId>::max();
+
   PickleHeap heap_;
   ByteReader reader_;
   std::vector<ValueId> stack_;
   std::vector<std::size_t> marks_;  // heights of the stack
-  std::unordered_map<std::size_t, ValueId> memo_;
+  std::vector<ValueId> memo_;       // by index; kNothing where nothing was stored
   bool stopped_ = false;
 };
 
