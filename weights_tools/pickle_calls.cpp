@@ -12,6 +12,8 @@ namespace {
 
 // Every item costs the pickle at least a byte, except where a call copies a shared list.
 constexpr std::size_t kMostPickledItems = 32'000'000;
+// Keys are counters or addresses; comparing ones of megabytes, again and again, would take hours.
+constexpr std::size_t kLongestStorageKey = 256;
 
 const std::vector<ValueId>& arguments_of(PickleHeap& heap, ValueId arguments, std::size_t fewest) {
   const Value& tuple = heap.expect(arguments, ValueKind::tuple, "the call's arguments");
@@ -169,6 +171,10 @@ ValueId find_storage(PickleHeap& heap, ValueId persistent_id) {
   const Global global = heap.expect(id[1], ValueKind::global, "the storage's type").global;
   if (global.kind != GlobalKind::storage) heap.fail("the storage's type", "another class");
   const std::string_view key = heap.expect(id[2], ValueKind::text, "the storage's key").text;
+  if (key.size() > kLongestStorageKey) {
+    heap.fail(fmt::format("a storage key of at most {} bytes", kLongestStorageKey),
+              fmt::format("{}", key.size()));
+  }
   const std::int64_t elements = heap.expect(id[4], ValueKind::integer, "the storage's element count").number;
   if (elements < 0) heap.fail("an element count >= 0", fmt::format("{}", elements));
 

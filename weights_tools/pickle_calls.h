@@ -1,8 +1,8 @@
 // The calls that a pickle asks for, answered by building descriptions (used by the pickle machine alone).
 #pragma once
 
+#include <map>
 #include <string>
-#include <unordered_map>
 
 #include "weights_tools/pickle_value.h"
 
@@ -27,13 +27,13 @@ class PickleHeap {
   // The value, where it is of that kind; throws InputError where it is not.
   const Value& expect(ValueId id, ValueKind kind, std::string_view what);
   // Index into object().storages.
-  std::unordered_map<std::string_view, std::size_t>& storage_by_key() { return storage_by_key_; }
+  std::map<std::string_view, std::size_t>& storage_by_key() { return storage_by_key_; }
 
  private:
   std::string place_;
   PickledObject object_;
   std::size_t position_ = 0;
-  std::unordered_map<std::string_view, std::size_t> storage_by_key_;
+  std::map<std::string_view, std::size_t> storage_by_key_;
   std::size_t items_ = 0;  // in all containers together
 };
 

@@ -71,6 +71,10 @@ std::optional<Global> find_global(std::string_view module, std::string_view name
 }
 
 std::string_view advice_on_refused_global(std::string_view module, std::string_view name) {
+  for (const std::string_view dangerous :
+       {"posix", "nt", "os", "subprocess", "builtins", "__builtin__", "sys"}) {
+    if (module == dangerous) return "Python would run it while loading: the file may be an attack";
+  }
   if (module.substr(0, 5) == "numpy") return "numpy values are not read: store torch tensors";
   if (module.substr(0, 9) == "__torch__") return "this is a TorchScript program: save its state_dict()";
   if (module == "torch._utils" || name.find("Storage") != std::string_view::npos) {

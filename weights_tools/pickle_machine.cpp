@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <unordered_map>
+#include <algorithm>
+#include <limits>
+#include <optional>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "weights_tools/byte_reader.h"
 #include "weights_tools/pickle_calls.h"
 #include "weights_tools/pickle_globals.h"
+#include "weights_tools/pickle_opcodes.h"
 
 namespace penumbra::weights_tools {
 
@@ -16,55 +19,6 @@ namespace {
 
 constexpr std::size_t kLongestGlobalName = 256;
 constexpr int kNewestProtocol = 5;
-
-// The operations that are carried out, named as in CPython's pickletools.py.
-enum class Opcode : std::uint8_t {
-  kMark = '(',
-  kStop = '.',
-  kPop = '0',
-  kPopMark = '1',
-  kNone = 'N',
-  kNewTrue = 0x88,
-  kNewFalse = 0x89,
-  kBinInt = 'J',
-  kBinInt1 = 'K',
-  kBinInt2 = 'M',
-  kLong1 = 0x8a,
-  kBinFloat = 'G',
-  kBinString = 'T',
-  kShortBinString = 'U',
-  kBinUnicode = 'X',
-  kShortBinUnicode = 0x8c,
-  kBinUnicode8 = 0x8d,
-  kBinBytes = 'B',
-  kShortBinBytes = 'C',
-  kEmptyTuple = ')',
-  kTuple = 't',
-  kTuple1 = 0x85,
-  kTuple2 = 0x86,
-  kTuple3 = 0x87,
-  kEmptyList = ']',
-  kAppend = 'a',
-  kAppends = 'e',
-  kEmptyDict = '}',
-  kSetItem = 's',
-  kSetItems = 'u',
-  kEmptySet = 0x8f,
-  kAddItems = 0x90,
-  kBinPut = 'q',
-  kLongBinPut = 'r',
-  kMemoize = 0x94,
-  kBinGet = 'h',
-  kLongBinGet = 'j',
-  kGlobal = 'c',
-  kStackGlobal = 0x93,
-  kReduce = 'R',
-  kNewObj = 0x81,
-  kBuild = 'b',
-  kBinPersId = 'Q',
-  kProto = 0x80,
-  kFrame = 0x95,
-};
 
 class PickleMachine {
  public:
@@ -274,12 +228,21 @@ class PickleMachine {
     drop_to(begin);
   }
 
-  void put(std::size_t index) { memo_[index] = top(); }
+  // Pickles number what they store from 0 upwards, so a table suffices.
+  void put(std::size_t index) {
+    if (index >= kMostPickledValues) {
+      heap_.fail(fmt::format("a memo index below {}", kMostPickledValues), fmt::format("{}", index));
+    }
+    const ValueId value = top();
+    if (index >= memo_.size()) memo_.resize(index + 1, kNothing);
+    memo_[index] = value;
+  }
 
   void get(std::size_t index) {
-    const auto found = memo_.find(index);
-    if (found == memo_.end()) heap_.fail("a value that was stored before", fmt::format("memo {}", index));
-    stack_.push_back(found->second);
+    if (index >= memo_.size() || memo_[index] == kNothing) {
+      heap_.fail("a value that was stored before", fmt::format("memo {}", index));
+    }
+    stack_.push_back(memo_[index]);
   }
 
   void push_global(std::string_view module, std::string_view name) {
@@ -301,11 +264,13 @@ class PickleMachine {
     }
   }
 
+  static constexpr ValueId kNothing = std::numeric_limits<ValueId>::max();
+
   PickleHeap heap_;
   ByteReader reader_;
   std::vector<ValueId> stack_;
   std::vector<std::size_t> marks_;  // heights of the stack
-  std::unordered_map<std::size_t, ValueId> memo_;
+  std::vector<ValueId> memo_;       // by index; kNothing where nothing was stored
   bool stopped_ = false;
 };
 

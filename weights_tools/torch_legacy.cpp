@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <limits>
+#include <map>
 #include <string_view>
-#include <unordered_map>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
@@ -56,7 +55,7 @@ std::vector<std::span<const std::byte>> read_storages(std::span<const std::byte>
   if (list.kind != ValueKind::list)
     throw InputError(list_place, "a list of storage keys", to_string(list.kind));
 
-  std::unordered_map<std::string_view, std::size_t> index;
+  std::map<std::string_view, std::size_t> index;
   for (std::size_t i = 0; i < object.storages.size(); ++i) index[object.storages[i].key] = i;
   std::vector<std::span<const std::byte>> storages(object.storages.size());
   std::vector<bool> is_read(object.storages.size(), false);

@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <set>
 #include <string_view>
 
 #include "nn/base/error.h"
@@ -40,12 +41,15 @@ const Value* find_entry(const PickledObject& object, const Value& dict, std::str
 }
 
 // The dict with the tensors. A wrapper is preferred to tensors beside it: those are losses and the like.
-const Value* find_tensors(const PickledObject& object, const Value& dict, int depth) {
+// `visited`: dicts may hold themselves and each other.
+const Value* find_tensors(const PickledObject& object, const Value& dict, int depth,
+                          std::set<const Value*>& visited) {
+  if (!visited.insert(&dict).second) return nullptr;
   if (depth < kDeepestWrapper) {
     for (const std::string_view wrapper : kWrappers) {
       const Value* inner = find_entry(object, dict, wrapper);
       if (inner == nullptr || inner->kind != ValueKind::dict) continue;
-      const Value* found = find_tensors(object, *inner, depth + 1);
+      const Value* found = find_tensors(object, *inner, depth + 1, visited);
       if (found != nullptr) return found;
     }
   }
@@ -104,9 +108,7 @@ void check_indices(const TorchTensor& tensor, std::int64_t elements, const std::
 TorchTensor read_tensor(const PickledObject& object, const Value& value, std::string name,
                         const std::string& place) {
   const std::string where = fmt::format("{}: byte {}: tensor \"{}\"", place, value.number, printable(name));
-  if (!is_utf8(name) || name.size() > kLongestName) {
-    throw InputError(where, fmt::format("a name in UTF-8 of at most {} bytes", kLongestName), "another");
-  }
+  if (!is_utf8(name)) throw InputError(where, "a name in UTF-8", "other bytes");
   const Value& size = object[value.items[2]];
   const Value& stride = object[value.items[3]];
   if (size.items.size() != stride.items.size() || size.items.size() > kMostDimensions) {
@@ -140,13 +142,20 @@ std::vector<TorchTensor> find_state_dict(const PickledObject& object, const std:
       "a dict of tensors, alone or under \"state_dict\", \"model_state_dict\" or \"model\"";
   const Value& root = object[object.root];
   if (root.kind != ValueKind::dict) throw InputError(place, wanted, to_string(root.kind));
-  const Value* dict = find_tensors(object, root, 0);
+  std::set<const Value*> visited;
+  const Value* dict = find_tensors(object, root, 0, visited);
   if (dict == nullptr) throw InputError(place, wanted, list_keys(object, root));
 
   std::map<std::string_view, ValueId> entries;
   for (std::size_t i = 0; i + 1 < dict->items.size(); i += 2) {
     const Value& name = object[dict->items[i]];
-    if (name.kind == ValueKind::text) entries[name.text] = dict->items[i + 1];
+    if (name.kind != ValueKind::text) continue;
+    // Checked before names are compared, which could take hours with ones of megabytes.
+    if (name.text.size() > kLongestName) {
+      throw InputError(place, fmt::format("names of at most {} bytes", kLongestName),
+                       fmt::format("{} bytes: \"{}\"", name.text.size(), printable(name.text, 40)));
+    }
+    entries[name.text] = dict->items[i + 1];
   }
   std::vector<TorchTensor> tensors;
   for (const auto& [name, id] : entries) {

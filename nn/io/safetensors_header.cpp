@@ -193,6 +193,11 @@ class HeaderHandler final : public nlohmann::json_sax<nlohmann::json> {
 }  // namespace
 
 SafetensorsHeader parse_safetensors_header(std::string_view json, const std::string& place) {
+  // The parser takes a zero byte for the end of its input and would ignore what follows.
+  const std::size_t zero = json.find('\0');
+  if (zero != std::string_view::npos) {
+    throw InputError(fmt::format("{}: header, byte {}", place, 8 + zero), "well-formed JSON", "a zero byte");
+  }
   HeaderHandler handler(place);
   nlohmann::json::sax_parse(json.begin(), json.end(), &handler);
   return handler.take();

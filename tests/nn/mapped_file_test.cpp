@@ -1,0 +1,37 @@
+#include "nn/base/mapped_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "nn/base/error.h"
+#include "tests/support/bytes.h"
+#include "tests/support/test_data.h"
+
+namespace penumbra {
+namespace {
+
+TEST(MappedFile, ShowsTheBytesEvenAfterTheFileIsGone) {
+  const test::TemporaryDirectory folder;
+  test::write_file(folder / "file", "penumbra");
+  const auto file = MappedFile::open(folder / "file");
+  std::filesystem::remove(folder / "file");
+  ASSERT_EQ(file->bytes().size(), 8U);
+  EXPECT_EQ(static_cast<char>(file->bytes()[7]), 'a');
+}
+
+TEST(MappedFile, AnEmptyFileHasNoBytes) {
+  const test::TemporaryDirectory folder;
+  test::write_file(folder / "file", "");
+  EXPECT_TRUE(MappedFile::open(folder / "file")->bytes().empty());
+}
+
+TEST(MappedFile, WhatIsNoRegularFileIsRefusedAtOnce) {
+  const test::TemporaryDirectory folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(MappedFile::open(folder / "pipe"), InputError);
+  EXPECT_CONTAINS(test::message_of<InputError>([&] { MappedFile::open(folder.path()); }), "a folder");
+  EXPECT_CONTAINS(test::message_of<InputError>([&] { MappedFile::open(folder / "none"); }), "No such file");
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,54 @@
+#include "weights_tools/convert_floats.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "nn/base/error.h"
+#include "tests/support/test_data.h"
+#include "weights_tools/load_weights.h"
+
+namespace penumbra::weights_tools {
+namespace {
+
+using nn::DataType;
+
+TEST(ConvertFloats, FloatsChangeAndIntegersStay) {
+  const nn::StateDict state = load_weights(test::fixture("checkpoints/every_kind_zip.pth"));
+  for (const DataType type : {DataType::f32, DataType::f16}) {
+    const FloatConversion conversion = convert_floats(state, type);
+    EXPECT_TRUE(conversion.out_of_range.empty());
+    for (const auto& [name, tensor] : conversion.state.tensors) {
+      const nn::StoredTensor& before = state.tensors.at(name);
+      EXPECT_EQ(tensor.shape, before.shape);
+      if (before.type == DataType::f64 || before.type == DataType::f32 || before.type == DataType::f16 ||
+          before.type == DataType::bf16) {
+        EXPECT_EQ(tensor.type, type) << name;
+        const std::vector<float> expected = before.to_f32(), found = tensor.to_f32();
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          EXPECT_NEAR(found[i], expected[i], 1e-3F * std::abs(expected[i])) << name;
+        }
+      } else {
+        EXPECT_EQ(tensor.type, before.type) << name;
+        EXPECT_EQ(tensor.bytes.data(), before.bytes.data()) << name;
+      }
+    }
+  }
+}
+
+TEST(ConvertFloats, ValuesBeyondTheRangeAreReported) {
+  const std::vector<float> values = {1.0F, 65520.0F}, infinite = {std::numeric_limits<float>::infinity()};
+  nn::StateDict state;
+  state.tensors["large"] = {DataType::f32, {2}, std::as_bytes(std::span(values))};
+  state.tensors["infinite"] = {DataType::f32, {1}, std::as_bytes(std::span(infinite))};
+  const FloatConversion conversion = convert_floats(state, DataType::f16);
+  EXPECT_EQ(conversion.out_of_range, std::vector<std::string>{"large"});
+  EXPECT_EQ(conversion.converted, 2U);
+}
+
+TEST(ConvertFloats, OnlyF32AndF16AreTargets) { EXPECT_THROW(convert_floats({}, DataType::i8), UsageError); }
+
+}  // namespace
+}  // namespace penumbra::weights_tools

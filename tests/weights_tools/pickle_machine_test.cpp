@@ -1,0 +1,300 @@
+// The pickle machine on byte strings that are assembled by hand, as CPython's pickletools.py describes them.
+#include "weights_tools/pickle_machine.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <limits>
+
+#include "nn/base/error.h"
+#include "tests/support/bytes.h"
+#include "weights_tools/torch_state_dict.h"
+
+namespace penumbra::weights_tools {
+namespace {
+
+using namespace std::string_literals;
+using test::little_endian;
+
+// What a pickle describes views its bytes: they are kept until the test program ends.
+PickledObject run(const std::string& pickle) {
+  static std::deque<std::string> kept;
+  return run_pickle(test::as_bytes(kept.emplace_back(pickle)), 0, "pickle");
+}
+
+std::string refusal(const std::string& pickle) {
+  return test::message_of<InputError>([&] { run(pickle); });
+}
+
+std::string text(const std::string& value) {
+  return "X"s + little_endian(static_cast<std::uint32_t>(value.size())) + value;
+}
+std::string integer(std::int32_t value) { return "J"s + little_endian(value); }
+
+// ('storage', torch.FloatStorage, key, 'cpu', elements, view), as a persistent id
+std::string storage(const std::string& key, int elements, const std::string& view = "") {
+  return "("s + text("storage") + "ctorch\nFloatStorage\n" + text(key) + text("cpu") + integer(elements) +
+         view + "tQ";
+}
+std::string tuple(const std::vector<int>& numbers) {
+  std::string pickle = "(";
+  for (const int number : numbers) pickle += integer(number);
+  return pickle + "t";
+}
+// torch._utils._rebuild_tensor(storage, offset, size, stride)
+std::string tensor(const std::string& storage, int offset, const std::vector<int>& size,
+                   const std::vector<int>& stride) {
+  return "ctorch._utils\n_rebuild_tensor\n("s + storage + integer(offset) + tuple(size) + tuple(stride) +
+         "tR";
+}
+std::string dict_of_one(const std::string& name, const std::string& value) {
+  return "}"s + text(name) + value + "s";
+}
+
+std::int64_t number(const std::string& pickle) {
+  const PickledObject object = run(pickle);
+  EXPECT_EQ(object[object.root].kind, ValueKind::integer);
+  return object[object.root].number;
+}
+
+TEST(PickleMachine, IntegersOfEveryWidth) {
+  EXPECT_EQ(number("K\xFF."), 255);
+  EXPECT_EQ(number("M\xFF\xFF."), 65535);
+  EXPECT_EQ(number("J\xFF\xFF\xFF\xFF."), -1);
+  EXPECT_EQ(number("\x8a\x00."s), 0);
+  EXPECT_EQ(number("\x8a\x01\x80."), -128);
+  EXPECT_EQ(number("\x8a\x02\x80\x00."s), 128);
+  EXPECT_EQ(number("\x8a\x08\x00\x00\x00\x00\x00\x00\x00\x80."s), std::numeric_limits<std::int64_t>::min());
+  const PickledObject large = run("\x8a\x09"s + std::string(9, '\1') + ".");
+  EXPECT_EQ(large[large.root].kind, ValueKind::bytes);
+}
+
+TEST(PickleMachine, ContainersKeepTheirItems) {
+  // {"a": [1], "b": ((None, True),)}
+  const std::string list = "]K\x01"s + "a", tuple = "(N\x88t\x85";
+  const PickledObject object = run("\x80\x02}("s + text("a") + list + text("b") + tuple + "u.");
+  const Value& dict = object[object.root];
+  ASSERT_EQ(dict.kind, ValueKind::dict);
+  ASSERT_EQ(dict.items.size(), 4U);
+  EXPECT_EQ(object[dict.items[0]].text, "a");
+  ASSERT_EQ(object[dict.items[1]].kind, ValueKind::list);
+  EXPECT_EQ(object[object[dict.items[1]].items.at(0)].number, 1);
+  const Value& outer = object[dict.items[3]];
+  ASSERT_EQ(outer.items.size(), 1U);
+  const Value& inner = object[outer.items[0]];
+  ASSERT_EQ(inner.items.size(), 2U);
+  EXPECT_EQ(object[inner.items[0]].kind, ValueKind::none);
+  EXPECT_EQ(object[inner.items[1]].kind, ValueKind::boolean);
+}
+
+TEST(PickleMachine, TheMemoSharesObjects) {
+  // l = []; l.append(1); (l, l)
+  const PickledObject object = run("(]q\x05K\x01"s + "aj\x05\x00\x00\x00t."s);
+  const Value& tuple = object[object.root];
+  ASSERT_EQ(tuple.items.size(), 2U);
+  EXPECT_EQ(tuple.items[0], tuple.items[1]);
+  EXPECT_EQ(object[tuple.items[0]].items.size(), 1U);
+}
+
+TEST(PickleMachine, ProtocolFourNamesGlobalsOnTheStack) {
+  const PickledObject object = run("\x80\x04\x95\x00\x00\x00\x00\x00\x00\x00\x00\x8c\x0b"s +
+                                   "collections\x94\x8c\x0bOrderedDict\x94\x93)R.");
+  EXPECT_EQ(object[object.root].kind, ValueKind::dict);
+}
+
+TEST(PickleMachine, OrderedDictOfPython2TakesAListOfPairs) {
+  const PickledObject object = run("ccollections\nOrderedDict\n(](]("s + text("a") +
+                                   "K\x01"
+                                   "e](" +
+                                   text("b") +
+                                   "K\x02"
+                                   "eetR.");
+  ASSERT_EQ(object[object.root].kind, ValueKind::dict);
+  EXPECT_EQ(object[object.root].items.size(), 4U);
+  EXPECT_CONTAINS(refusal("ccollections\nOrderedDict\n(](K\x01K\x02"
+                          "etR."),
+                  "a list of pairs");
+}
+
+TEST(PickleMachine, GlobalsThatAreNotAllowedAreNamedWithTheirPlace) {
+  const std::string message = refusal("\x80\x02}cposix\nsystem\n"s + text("true") + "\x85R.");
+  EXPECT_CONTAINS(message, "pickle: byte 3");
+  EXPECT_CONTAINS(message, "posix.system");
+  EXPECT_CONTAINS(message, "nothing was executed");
+  for (const std::string global :
+       {"builtins\neval", "os\nsystem", "numpy.core.multiarray\n_reconstruct", "torch\nload",
+        "torch.storage\n_load_from_bytes", "torch.hub\nload", "collections\nOrderedDict.update",
+        "torch._utils\n_rebuild_sparse_tensor"}) {
+    EXPECT_CONTAINS(refusal("c"s + global + "\n)R."), "nothing was executed");
+  }
+  EXPECT_CONTAINS(refusal("\x8c\x02"
+                          "os\x8c\x06system\x93."),
+                  "os.system");
+  EXPECT_CONTAINS(refusal("cos\x1b[2J\nsystem\n."), "\\x1b");
+}
+
+TEST(PickleMachine, OperationsThatAreNotAllowedAreNamed) {
+  // INST, OBJ, EXT1, PERSID, NEWOBJ_EX, NEXT_BUFFER, DUP, and the text protocol
+  for (const std::string opcode :
+       {"i", "o", "\x82", "P", "\x92", "\x97", "2", "I", "V", "g", "p", "\xFF", "\n"}) {
+    EXPECT_CONTAINS(refusal("("s + opcode + "posix\nsystem\n."), "opcode");
+  }
+}
+
+TEST(PickleMachine, OnlyListedFunctionsAreCalled) {
+  EXPECT_CONTAINS(refusal("K\x01)R."), "a class or function");
+  EXPECT_CONTAINS(refusal("])R."), "a class or function");
+  EXPECT_CONTAINS(refusal("ctorch\nFloatStorage\n)R."), "a storage");
+  EXPECT_CONTAINS(refusal("ctorch._utils\n_rebuild_tensor_v2\n)R."), "arguments");
+  EXPECT_CONTAINS(refusal("ctorch._utils\n_rebuild_tensor_v2\n(NNNNtR."), "a torch storage");
+  EXPECT_CONTAINS(
+      refusal("ctorch._tensor\n_rebuild_from_type_v2\n(ctorch._tensor\n_rebuild_from_type_v2\nN)tR."),
+      "rebuilds a tensor");
+}
+
+TEST(PickleMachine, EveryUnderflowIsAnError) {
+  for (const std::string pickle :
+       {".",     "a.",  "s.",  "u.",       "e.",     "t.",       "\x85.",     "]\x86.",   "]]\x87.",
+        "R.",    "]R.", "b.",  "]b.",      "q\x01.", "Q.",       "0.",        "1.",       "\x94.",
+        "\x93.", "(.",  "(a.", "K\x01(e.", "(0.",    "}K\x01s.", "}(K\x01u.", "]K\x01s.", "\x8f.x"}) {
+    if (pickle == "\x8f.x") {
+      EXPECT_EQ(run(pickle).end, 2U);  // what follows the pickle is not its concern
+    } else {
+      EXPECT_THROW(run(pickle), InputError) << pickle;
+    }
+  }
+}
+
+TEST(PickleMachine, LengthsBeyondTheEndAreRefused) {
+  for (const std::string pickle :
+       {"X\xFF\xFF\xFF\xFFx", "\x8d\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFFx", "T\xFF\xFF\xFF\x7F",
+        "B\xFF\xFF\xFF\xFF", "C\x05", "\x8a\x05\x01", "U\x09x", "G\x01", "J\x01", "M", "K", "cabc",
+        "cabc\nxyz", "", "\x80", "]q", "r\x01"}) {
+    EXPECT_CONTAINS(refusal(pickle), "truncated");
+  }
+  EXPECT_CONTAINS(refusal("c"s + std::string(100'000, 'a') + "\nb\n."), "truncated");
+}
+
+TEST(PickleMachine, ProtocolsOfTheFutureAreRefused) { EXPECT_CONTAINS(refusal("\x80\x06N."), "protocol"); }
+
+TEST(PickleMachine, MemoIndicesAreBounded) {
+  EXPECT_CONTAINS(refusal("]r\xFF\xFF\xFF\xFF."), "memo index");
+  EXPECT_CONTAINS(refusal("h\x00."s), "stored before");
+  EXPECT_CONTAINS(refusal("]q\x02h\x01."), "stored before");
+}
+
+TEST(PickleMachine, NestedSharingTakesNoMoreThanItsBytes) {
+  // "Billion laughs": each tuple holds the one before ten times; written out it would have 10^200 leaves.
+  std::string pickle = text("ha") + "q"s + "\x00"s;
+  for (int level = 0; level < 200; ++level) {
+    pickle += "(";
+    for (int i = 0; i < 10; ++i) pickle += "h"s + std::string(1, static_cast<char>(level));
+    pickle += "tq"s + std::string(1, static_cast<char>(level + 1));
+  }
+  const PickledObject object = run(pickle + ".");
+  EXPECT_EQ(object.values.size(), 201U);
+  EXPECT_THROW(find_state_dict(object, "pickle"), InputError);
+}
+
+TEST(PickleMachine, DepthDoesNotRecurse) {
+  EXPECT_EQ(run("]"s + std::string(1'000'000, '\x85') + ".").values.size(), 1'000'001U);
+  EXPECT_CONTAINS(refusal(std::string(1'000'000, '(') + "."), "1 values on the stack");
+}
+
+TEST(PickleMachine, TooManyValuesAreRefused) {
+  EXPECT_CONTAINS(refusal(std::string(kMostPickledValues + 1, 'N') + "."), "values");
+}
+
+TEST(PickleMachine, CopiesOfASharedListAreBounded) {
+  std::string pickle =
+      "ccollections\nOrderedDict\nq\x01"
+      "0(](" +
+      std::string();
+  for (int i = 0; i < 100'000; ++i) pickle += "NN\x86";
+  pickle +=
+      "etq\x02"
+      "0";
+  for (int i = 0; i < 1'000'000; ++i) pickle += "h\x01h\x02R0";
+  EXPECT_CONTAINS(refusal(pickle + "N."), "items in all");
+}
+
+TEST(FindStateDict, StorageViewsOfTheLegacyFormatShiftTheTensor) {
+  const std::string view = "("s + text("view") + integer(4) + integer(6) + "t";
+  const PickledObject object =
+      run(dict_of_one("w", tensor(storage("root", 10, view), 1, {2, 2}, {2, 1})) + ".");
+  const std::vector<TorchTensor> tensors = find_state_dict(object, "pickle");
+  ASSERT_EQ(tensors.size(), 1U);
+  EXPECT_EQ(tensors[0].name, "w");
+  EXPECT_EQ(tensors[0].offset, 5);
+  EXPECT_EQ(object.storages.at(tensors[0].storage).key, "root");
+  EXPECT_EQ(object.storages.at(tensors[0].storage).elements, 10);
+
+  EXPECT_THROW(
+      find_state_dict(run(dict_of_one("w", tensor(storage("root", 10, view), 3, {2, 2}, {2, 1})) + "."), ""),
+      InputError);  // within the root, outside the view
+  const std::string outside = "("s + text("view") + integer(5) + integer(6) + "t";
+  EXPECT_CONTAINS(refusal(storage("root", 10, outside) + "."), "a view within");
+}
+
+TEST(FindStateDict, ViewsThatLeaveTheirStorageAreRefused) {
+  const auto find = [](int offset, const std::vector<int>& size, const std::vector<int>& stride) {
+    const std::string pickle = dict_of_one("w", tensor(storage("0", 6), offset, size, stride)) + ".";
+    return find_state_dict(run(pickle), "pickle");
+  };
+  EXPECT_NO_THROW(find(0, {2, 3}, {3, 1}));
+  EXPECT_NO_THROW(find(5, {}, {}));
+  EXPECT_NO_THROW(find(5, {7}, {0}));
+  EXPECT_NO_THROW(find(999, {0, 5}, {5, 1}));
+  EXPECT_THROW(find(1, {2, 3}, {3, 1}), InputError);
+  EXPECT_THROW(find(6, {}, {}), InputError);
+  EXPECT_THROW(find(-1, {1}, {1}), InputError);
+  EXPECT_THROW(find(0, {-1}, {1}), InputError);
+  EXPECT_THROW(find(5, {2}, {-1}), InputError);
+  EXPECT_THROW(find(0, {2, 3}, {3}), InputError);
+  const int most = std::numeric_limits<int>::max();
+  EXPECT_THROW(find(0, {most, most, most}, {0, 0, 0}), InputError);
+  EXPECT_THROW(find(most, {most, most}, {most, most}), InputError);
+  EXPECT_THROW(find(0, std::vector<int>(100, 1), std::vector<int>(100, 1)), InputError);
+}
+
+TEST(FindStateDict, OneStorageHasOneTypeAndSize) {
+  EXPECT_NO_THROW(run("("s + storage("0", 6) + storage("0", 6) + "t."));
+  EXPECT_CONTAINS(refusal("("s + storage("0", 6) + storage("0", 7) + "t."), "7 of F32");
+  EXPECT_CONTAINS(refusal(storage("0", -1) + "."), "element count >= 0");
+  EXPECT_CONTAINS(refusal(storage(std::string(1000, 'k'), 1) + "."), "storage key");
+}
+
+TEST(FindStateDict, DictsThatHoldThemselvesEndTheSearch) {
+  // d = {}; d["model"] = d["state_dict"] = d
+  const std::string self = "}q\x01"s + text("model") + "h\x01s" + text("state_dict") + "h\x01s";
+  EXPECT_THROW(find_state_dict(run(self + "."), "pickle"), InputError);
+  const std::vector<TorchTensor> found =
+      find_state_dict(run(self + text("w") + tensor(storage("0", 1), 0, {1}, {1}) + "s."), "pickle");
+  ASSERT_EQ(found.size(), 1U);
+}
+
+TEST(FindStateDict, TheLastOfANameCountsAsInPython) {
+  const std::string pickle = "}"s + text("w") + tensor(storage("0", 4), 0, {4}, {1}) + "s" + text("w") +
+                             tensor(storage("1", 2), 0, {2}, {1}) + "s.";
+  const PickledObject object = run(pickle);
+  const std::vector<TorchTensor> tensors = find_state_dict(object, "pickle");
+  ASSERT_EQ(tensors.size(), 1U);
+  EXPECT_EQ(tensors[0].shape, std::vector<std::int64_t>{2});
+}
+
+TEST(FindStateDict, ThePrefixModuleIsStrippedOnlyWhereAllShareIt) {
+  const std::string one = tensor(storage("0", 1), 0, {1}, {1});
+  const PickledObject all = run("}"s + text("module.a") + one + "s" + text("module.b") + one + "s.");
+  EXPECT_EQ(find_state_dict(all, "")[0].name, "a");
+  const PickledObject some = run("}"s + text("module.a") + one + "s" + text("b") + one + "s.");
+  EXPECT_EQ(find_state_dict(some, "")[1].name, "module.a");
+}
+
+TEST(FindStateDict, NamesMustBeShortUtf8) {
+  const std::string one = tensor(storage("0", 1), 0, {1}, {1});
+  EXPECT_THROW(find_state_dict(run(dict_of_one("\xED\xA0\x80", one) + "."), ""), InputError);
+  EXPECT_THROW(find_state_dict(run(dict_of_one(std::string(100'000, 'x'), one) + "."), ""), InputError);
+}
+
+}  // namespace
+}  // namespace penumbra::weights_tools
