@@ -6,6 +6,8 @@
 
 namespace penumbra::apps {
 
+void add_convert_command(CLI::App& app);
+void add_info_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 
 }  // namespace penumbra::apps

@@ -1,0 +1,99 @@
+// penumbra info: what a checkpoint holds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/commands.h"
+#include "nn/base/text.h"
+#include "weights_tools/load_weights.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+struct InfoOptions {
+  std::string file;
+  bool json = false;
+};
+
+struct Totals {
+  std::int64_t elements = 0;
+  std::size_t bytes = 0;
+};
+
+Totals total(const nn::StateDict& state) {
+  Totals totals;
+  for (const auto& [name, tensor] : state.tensors) {
+    totals.elements += tensor.elements();
+    totals.bytes += tensor.bytes.size();
+  }
+  return totals;
+}
+
+void print_json(const nn::StateDict& state, const char* format) {
+  nlohmann::ordered_json tensors = nlohmann::ordered_json::array();
+  for (const auto& [name, tensor] : state.tensors) {
+    tensors.push_back({{"name", name},
+                       {"dtype", to_string(tensor.type)},
+                       {"shape", tensor.shape},
+                       {"bytes", tensor.bytes.size()}});
+  }
+  const Totals totals = total(state);
+  const nlohmann::ordered_json info = {{"file", printable(state.source, state.source.size())},
+                                       {"format", format},
+                                       {"elements", totals.elements},
+                                       {"bytes", totals.bytes},
+                                       {"metadata", state.metadata},
+                                       {"tensors", tensors}};
+  fmt::print("{}\n", info.dump(2));
+}
+
+void print_table(const nn::StateDict& state, const char* format) {
+  std::size_t name_width = 4, shape_width = 5;
+  for (const auto& [name, tensor] : state.tensors) {
+    name_width = std::max(name_width, printable(name).size());
+    shape_width = std::max(shape_width, fmt::format("[{}]", fmt::join(tensor.shape, ", ")).size());
+  }
+  fmt::print("{:<{}}  {:<5}  {:<{}}  {:>10}\n", "name", name_width, "dtype", "shape", shape_width, "bytes");
+  for (const auto& [name, tensor] : state.tensors) {
+    fmt::print("{:<{}}  {:<5}  {:<{}}  {:>10}\n", printable(name), name_width, to_string(tensor.type),
+               fmt::format("[{}]", fmt::join(tensor.shape, ", ")), shape_width, tensor.bytes.size());
+  }
+  for (const auto& [key, value] : state.metadata) {
+    fmt::print("metadata: {} = {}\n", printable(key), printable(value, 400));
+  }
+  const Totals totals = total(state);
+  fmt::print("{}: {}, {} tensors, {} elements, {} bytes\n", printable(state.source, 400), format,
+             state.tensors.size(), totals.elements, totals.bytes);
+}
+
+void show_info(const InfoOptions& options) {
+  const weights_tools::CheckpointFormat format = weights_tools::checkpoint_format(options.file);
+  const nn::StateDict state = weights_tools::load_weights(options.file);
+  if (options.json) {
+    print_json(state, to_string(format));
+  } else {
+    print_table(state, to_string(format));
+  }
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* command = app.add_subcommand("info", "List the tensors of a checkpoint");
+  command->add_option("file", options->file, "checkpoint: .safetensors or .pth (zip or legacy format)")
+      ->required();
+  command->add_flag("--json", options->json, "print JSON");
+  command->footer(
+      "Examples:\n"
+      "  penumbra info maskrcnn.pth\n"
+      "  penumbra info maskrcnn.safetensors --json\n");
+  command->callback([options] { show_info(*options); });
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,53 @@
+#include "nn/base/mapped_file.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "nn/base/error.h"
+
+namespace penumbra {
+
+namespace {
+
+struct FileDescriptor {
+  int value;
+  ~FileDescriptor() {
+    if (value >= 0) ::close(value);
+  }
+};
+
+std::string last_error() { return std::generic_category().message(errno); }
+
+}  // namespace
+
+std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& path) {
+  // O_NONBLOCK: opening a pipe must not wait for its other end.
+  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  if (file.value < 0) throw InputError(path.string(), "a readable file", last_error());
+  struct stat status {};
+  if (::fstat(file.value, &status) != 0) throw InputError(path.string(), "a readable file", last_error());
+  if (!S_ISREG(status.st_mode)) {
+    throw InputError(path.string(), "a regular file",
+                     S_ISDIR(status.st_mode) ? "a folder" : "something else");
+  }
+
+  std::shared_ptr<MappedFile> mapped(new MappedFile);
+  if (status.st_size == 0) return mapped;  // mmap refuses a length of 0
+  const auto size = static_cast<std::size_t>(status.st_size);
+  void* data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.value, 0);
+  if (data == MAP_FAILED) throw InputError(path.string(), "a file that can be memory-mapped", last_error());
+  mapped->data_ = static_cast<const std::byte*>(data);
+  mapped->size_ = size;
+  return mapped;
+}
+
+MappedFile::~MappedFile() {
+  if (data_ != nullptr) ::munmap(const_cast<std::byte*>(data_), size_);
+}
+
+}  // namespace penumbra

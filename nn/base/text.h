@@ -1,0 +1,17 @@
+// Text that comes from outside: is it UTF-8, and how it can be shown without harm to a terminal.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace penumbra {
+
+// True for well-formed UTF-8: no overlong forms, no surrogates, nothing above U+10FFFF.
+bool is_utf8(std::string_view text);
+
+// `text` with control characters and everything that is not UTF-8 written as \xNN, cut after about `longest`
+// bytes ("..." shows the cut). For names from untrusted files in messages and tables.
+std::string printable(std::string_view text, std::size_t longest = 120);
+
+}  // namespace penumbra

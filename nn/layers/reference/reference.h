@@ -1,0 +1,45 @@
+// The naive version of every layer: the formula of the layer's own header, loop by loop, on plain [N, C, H,
+// W] tensors, sums in double. Slow on purpose; the oracle of the fast versions.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "nn/layers/batch_norm.h"
+#include "nn/layers/box.h"
+#include "nn/layers/conv2d.h"
+#include "nn/layers/mask_paste.h"
+#include "nn/layers/pooling.h"
+#include "nn/layers/roi_align.h"
+#include "nn/tensor/tensor.h"
+
+namespace penumbra::nn::reference {
+
+// See nn/layers/conv2d.h; `bias` empty and `residual` null for none.
+Tensor conv2d(const Tensor& x, const Tensor& weight, const std::vector<float>& bias,
+              const Conv2dOptions& options, const Tensor* residual = nullptr);
+// W x + b over x [N, I], W [O, I]; gives [N, O].
+Tensor linear(const Tensor& x, const Tensor& weight, const std::vector<float>& bias, Activation activation);
+// See nn/layers/conv_transpose2d.h.
+Tensor conv_transpose2d(const Tensor& x, const Tensor& weight, const std::vector<float>& bias,
+                        Activation activation);
+// (z - mean) / sqrt(var + eps) gamma + beta, a channel at a time; see nn/layers/batch_norm.h.
+Tensor batch_norm(const Tensor& x, const BatchNorm& norm);
+// See nn/layers/pooling.h.
+Tensor max_pool(const Tensor& x, const PoolOptions& options);
+// y + nearest-upsampled x; see nn/layers/upsample.h.
+Tensor add_upsampled(const Tensor& x, const Tensor& y);
+// See nn/layers/spatial_attention.h and channel_attention.h.
+Tensor spatial_attention(const Tensor& x, const Tensor& weight);
+Tensor channel_attention(const Tensor& x, const Tensor& reduce, const Tensor& expand);
+// One level of nn/layers/roi_align.h: every region is read from `map` [1, C, H, W] at `scale`.
+Tensor roi_align(const Tensor& map, float scale, std::span<const Box> regions,
+                 const RoiAlignOptions& options);
+// See nn/layers/nms.h.
+std::vector<int> batched_nms(std::span<const Box> boxes, std::span<const float> scores,
+                             std::span<const int> groups, float threshold, int max_kept);
+// See nn/layers/mask_paste.h; the whole image's mask, row-major, 0 or 1.
+std::vector<std::uint8_t> paste_mask(std::span<const float> probabilities, int size, const Box& box,
+                                     int image_width, int image_height, float threshold);
+
+}  // namespace penumbra::nn::reference

@@ -1,0 +1,139 @@
+#include "nn/layers/conv2d.h"
+
+#include <gtest/gtest.h>
+
+#include "nn/base/error.h"
+#include "nn/layers/reference/reference.h"
+#include "tests/support/tensors.h"
+
+namespace penumbra::nn {
+namespace {
+
+using test::expect_close;
+using test::pick;
+using test::random_tensor;
+using test::random_vector;
+
+// Every test runs with each instruction set that this machine has.
+class Conv2dTest : public ::testing::TestWithParam<Isa> {
+ protected:
+  void SetUp() override {
+    if (!is_supported(GetParam())) GTEST_SKIP() << "no " << to_string(GetParam()) << " here";
+    before_ = current_isa();
+    use_isa(GetParam());
+  }
+  void TearDown() override {
+    if (is_supported(GetParam())) use_isa(before_);
+  }
+
+ private:
+  Isa before_ = Isa::baseline;
+};
+
+TEST_P(Conv2dTest, AgreesWithTheReferenceOnRandomShapes) {
+  std::mt19937 random(7);
+  for (std::uint32_t trial = 0; trial < 60; ++trial) {
+    const int images = pick(random, 1, 3), channels = pick(random, 1, 40), outputs = pick(random, 1, 70);
+    const int kernel_h = pick(random, 1, 5), kernel_w = pick(random, 1, 5);
+    Conv2dOptions options;
+    options.stride = pick(random, 1, 3);
+    options.dilation = pick(random, 1, 2);
+    options.padding = pick(random, 0, 3);
+    options.activation = pick(random, 0, 1) == 1 ? Activation::relu : Activation::none;
+    const int smallest_h = std::max(options.dilation * (kernel_h - 1) + 1 - 2 * options.padding, 1);
+    const int smallest_w = std::max(options.dilation * (kernel_w - 1) + 1 - 2 * options.padding, 1);
+    const Tensor x = random_tensor(
+        {images, channels, smallest_h + pick(random, 0, 12), smallest_w + pick(random, 0, 40)}, trial);
+    const Tensor weight = random_tensor({outputs, channels, kernel_h, kernel_w}, 1000 + trial);
+    const std::vector<float> bias =
+        pick(random, 0, 3) == 0 ? std::vector<float>{} : random_vector(outputs, trial);
+
+    Tensor expected = reference::conv2d(x, weight, bias, options);
+    const bool with_residual = pick(random, 0, 1) == 1;
+    const Tensor residual = random_tensor(expected.shape, 2000 + trial);
+    if (with_residual) expected = reference::conv2d(x, weight, bias, options, &residual);
+
+    Arena arena;
+    const FeatureMap residual_map = to_feature_map(residual, arena, pick(random, 0, 1));
+    const FeatureMap y =
+        Conv2d(weight, bias, options)(to_feature_map(x, arena, pick(random, 0, 3)), arena, pick(random, 0, 2),
+                                      with_residual ? &residual_map : nullptr);
+    expect_close(to_tensor(y), expected);
+  }
+}
+
+TEST_P(Conv2dTest, ReadsImagesOfFourChannelPixels) {
+  std::mt19937 random(8);
+  for (std::uint32_t trial = 0; trial < 20; ++trial) {
+    const int channels = pick(random, 1, 4), kernel = 2 * pick(random, 0, 3) + 1;
+    Conv2dOptions options;
+    options.stride = pick(random, 1, 2);
+    options.padding = kernel / 2;
+    const Tensor x = random_tensor({1, channels, pick(random, 1, 20), pick(random, 1, 40)}, trial);
+    const Tensor weight = random_tensor({pick(random, 1, 64), channels, kernel, kernel}, 100 + trial);
+    Arena arena;
+    const FeatureMap image = to_feature_map(x, arena, options.padding, kImageBlock);
+    expect_close(to_tensor(Conv2d(weight, {}, options, kImageBlock)(image, arena)),
+                 reference::conv2d(x, weight, {}, options));
+  }
+}
+
+TEST_P(Conv2dTest, FullyConnectedLayersAgreeWithTheReference) {
+  std::mt19937 random(9);
+  for (std::uint32_t trial = 0; trial < 20; ++trial) {
+    const int images = pick(random, 1, 130), channels = pick(random, 1, 90), size = pick(random, 1, 7);
+    const int outputs = pick(random, 1, 100);
+    const Tensor x = random_tensor({images, channels, size, size}, trial);
+    const Tensor weight = random_tensor({outputs, channels * size * size}, 100 + trial);
+    const std::vector<float> bias = random_vector(outputs, 200 + trial);
+    Arena arena;
+    const FeatureMap y =
+        linear(weight, bias, channels, size, size, Activation::relu)(to_feature_map(x, arena), arena);
+    Tensor expected =
+        reference::linear({{images, channels * size * size}, x.values}, weight, bias, Activation::relu);
+    expected.shape = {images, outputs, 1, 1};
+    expect_close(to_tensor(y), expected);
+  }
+}
+
+TEST_P(Conv2dTest, ZeroImagesGiveZeroImages) {
+  Arena arena;
+  const FeatureMap none(arena, 0, 32, 7, 7, 0);
+  EXPECT_EQ(linear(random_tensor({10, 32 * 49}, 1), {}, 32, 7, 7, Activation::none)(none, arena).images(), 0);
+}
+
+TEST_P(Conv2dTest, TheResultDoesNotDependOnPaddingByBorderOrByCopy) {
+  const Tensor x = random_tensor({1, 32, 9, 30}, 1), weight = random_tensor({32, 32, 3, 3}, 2);
+  Conv2dOptions options;
+  options.padding = 1;
+  const Conv2d conv(weight, {}, options);
+  Arena arena;
+  EXPECT_EQ(to_tensor(conv(to_feature_map(x, arena, 0), arena)).values,
+            to_tensor(conv(to_feature_map(x, arena, 1), arena)).values);
+}
+
+TEST_P(Conv2dTest, NotANumberIsNotHiddenByRelu) {
+  Tensor x({1, 16, 1, 1});
+  x.values[3] = std::nanf("");
+  Conv2dOptions options;
+  options.activation = Activation::relu;
+  Arena arena;
+  const FeatureMap y = Conv2d(random_tensor({1, 16, 1, 1}, 1), {}, options)(to_feature_map(x, arena), arena);
+  EXPECT_TRUE(std::isnan(y.pixel(0, 0, 0, 0)[0]));
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryIsa, Conv2dTest, ::testing::Values(Isa::baseline, Isa::avx2, Isa::avx512),
+                         [](const auto& info) { return std::string(to_string(info.param)); });
+
+TEST(Conv2d, WrongShapesAreInputErrors) {
+  Arena arena;
+  EXPECT_THROW(Conv2d(random_tensor({8, 8}, 1), {}, {}), InputError);
+  EXPECT_THROW(Conv2d(random_tensor({8, 8, 1, 1}, 1), random_vector(7, 1), {}), InputError);
+  const Conv2d conv(random_tensor({8, 8, 3, 3}, 1), {}, {});
+  EXPECT_THROW(conv(to_feature_map(random_tensor({1, 9, 5, 5}, 1), arena), arena), InputError);
+  EXPECT_THROW(conv(to_feature_map(random_tensor({1, 8, 2, 5}, 1), arena), arena), InputError);
+  EXPECT_THROW(linear(random_tensor({4, 10}, 1), {}, 3, 2, 2, Activation::none), InputError);
+}
+
+}  // namespace
+}  // namespace penumbra::nn

@@ -1,0 +1,205 @@
+#include "weights_tools/pickle_calls.h"
+
+#include <fmt/format.h>
+
+#include "nn/base/error.h"
+#include "nn/base/text.h"
+#include "weights_tools/pickle_machine.h"
+
+namespace penumbra::weights_tools {
+
+namespace {
+
+// Every item costs the pickle at least a byte, except where a call copies a shared list.
+constexpr std::size_t kMostPickledItems = 32'000'000;
+
+const std::vector<ValueId>& arguments_of(PickleHeap& heap, ValueId arguments, std::size_t fewest) {
+  const Value& tuple = heap.expect(arguments, ValueKind::tuple, "the call's arguments");
+  if (tuple.items.size() < fewest) {
+    heap.fail(fmt::format("a call with at least {} arguments", fewest),
+              fmt::format("{}", tuple.items.size()));
+  }
+  return tuple.items;
+}
+
+// OrderedDict() or, from Python 2, OrderedDict([[key, value], ...]).
+ValueId make_ordered_dict(PickleHeap& heap, ValueId arguments) {
+  const std::vector<ValueId>& given = arguments_of(heap, arguments, 0);
+  if (given.empty()) return heap.add({.kind = ValueKind::dict});
+  if (given.size() > 1) heap.fail("OrderedDict with at most one argument", fmt::format("{}", given.size()));
+  const ValueId pairs = given[0];
+  const ValueKind kind = heap[pairs].kind;
+  if (kind != ValueKind::list && kind != ValueKind::tuple) heap.fail("a list of pairs", to_string(kind));
+  const ValueId dict = heap.add({.kind = ValueKind::dict});
+  for (std::size_t i = 0; i < heap[pairs].items.size(); ++i) {
+    const Value& pair = heap[heap[pairs].items[i]];
+    const bool is_pair =
+        (pair.kind == ValueKind::list || pair.kind == ValueKind::tuple) && pair.items.size() == 2;
+    if (!is_pair) heap.fail("a list of pairs", fmt::format("{} in it", to_string(pair.kind)));
+    const ValueId key = pair.items[0], value = pair.items[1];
+    heap.append(dict, key);
+    heap.append(dict, value);
+  }
+  return dict;
+}
+
+ValueId rebuild_tensor(PickleHeap& heap, ValueId arguments) {
+  const std::vector<ValueId>& given = arguments_of(heap, arguments, 4);
+  Value tensor{.kind = ValueKind::tensor,
+               .number = static_cast<std::int64_t>(heap.position()),
+               .items = {given[0], given[1], given[2], given[3]}};
+  heap.expect(given[0], ValueKind::storage, "the tensor's storage");
+  heap.expect(given[1], ValueKind::integer, "the tensor's offset");
+  heap.expect(given[2], ValueKind::tuple, "the tensor's size");
+  heap.expect(given[3], ValueKind::tuple, "the tensor's stride");
+  return heap.add(std::move(tensor));
+}
+
+ValueId rebuild_from_type(PickleHeap& heap, ValueId arguments) {
+  const std::vector<ValueId>& given = arguments_of(heap, arguments, 3);
+  const Value& function = heap.expect(given[0], ValueKind::global, "the function that rebuilds the tensor");
+  const GlobalKind kind = function.global.kind;
+  if (kind != GlobalKind::rebuild_tensor && kind != GlobalKind::rebuild_parameter) {
+    heap.fail("a function that rebuilds a tensor", "another");
+  }
+  return call(heap, given[0], given[2]);
+}
+
+}  // namespace
+
+const char* to_string(ValueKind kind) {
+  switch (kind) {
+    case ValueKind::none:
+      return "None";
+    case ValueKind::boolean:
+      return "a bool";
+    case ValueKind::integer:
+      return "an int";
+    case ValueKind::real:
+      return "a float";
+    case ValueKind::text:
+      return "a str";
+    case ValueKind::bytes:
+      return "bytes or a very large int";
+    case ValueKind::tuple:
+      return "a tuple";
+    case ValueKind::list:
+      return "a list";
+    case ValueKind::dict:
+      return "a dict";
+    case ValueKind::global:
+      return "a class or function";
+    case ValueKind::storage:
+      return "a torch storage";
+    case ValueKind::tensor:
+      return "a torch tensor";
+    case ValueKind::opaque:
+      return "an object of another class";
+  }
+  return "?";
+}
+
+void PickleHeap::fail(std::string_view expected, std::string_view found) const {
+  throw InputError(fmt::format("{}: byte {}", place_, position_), expected, found);
+}
+
+ValueId PickleHeap::add(Value value) {
+  if (object_.values.size() >= kMostPickledValues) {
+    fail(fmt::format("a pickle of at most {} values", kMostPickledValues), "more");
+  }
+  items_ += value.items.size();
+  object_.values.push_back(std::move(value));
+  return static_cast<ValueId>(object_.values.size() - 1);
+}
+
+void PickleHeap::append(ValueId container, ValueId item) {
+  if (++items_ > kMostPickledItems) {
+    fail(fmt::format("containers of at most {} items in all", kMostPickledItems), "more");
+  }
+  object_.values[container].items.push_back(item);
+}
+
+const Value& PickleHeap::expect(ValueId id, ValueKind kind, std::string_view what) {
+  const Value& value = object_.values[id];
+  if (value.kind != kind) {
+    fail(fmt::format("{} as {}", what, to_string(kind)), to_string(value.kind));
+  }
+  return value;
+}
+
+ValueId call(PickleHeap& heap, ValueId function, ValueId arguments) {
+  const Global global = heap.expect(function, ValueKind::global, "what is called").global;
+  switch (global.kind) {
+    case GlobalKind::ordered_dict:
+      return make_ordered_dict(heap, arguments);
+    case GlobalKind::size: {
+      const ValueId extents = arguments_of(heap, arguments, 1)[0];
+      const ValueKind kind = heap[extents].kind;
+      if (kind != ValueKind::tuple) heap.fail("torch.Size of a tuple", to_string(kind));
+      return extents;
+    }
+    case GlobalKind::rebuild_tensor:
+      return rebuild_tensor(heap, arguments);
+    case GlobalKind::rebuild_parameter: {
+      const ValueId tensor = arguments_of(heap, arguments, 1)[0];
+      heap.expect(tensor, ValueKind::tensor, "the parameter's data");
+      return tensor;
+    }
+    case GlobalKind::rebuild_from_type:
+      return rebuild_from_type(heap, arguments);
+    case GlobalKind::inert:
+      return heap.add({.kind = ValueKind::opaque});
+    case GlobalKind::storage:
+      break;
+  }
+  heap.fail("a storage only inside a persistent id", "a call that makes one");
+}
+
+ValueId find_storage(PickleHeap& heap, ValueId persistent_id) {
+  const std::vector<ValueId>& id = heap.expect(persistent_id, ValueKind::tuple, "the persistent id").items;
+  if (id.size() < 5 || id.size() > 6) {
+    heap.fail("a persistent id of 5 or 6 parts", fmt::format("{}", id.size()));
+  }
+  const std::string_view tag = heap.expect(id[0], ValueKind::text, "the persistent id's kind").text;
+  if (tag != "storage") {
+    heap.fail(
+        "the persistent id of a storage",
+        fmt::format("'{}' (if this is a whole network, save its state_dict() instead)", printable(tag)));
+  }
+  const Global global = heap.expect(id[1], ValueKind::global, "the storage's type").global;
+  if (global.kind != GlobalKind::storage) heap.fail("the storage's type", "another class");
+  const std::string_view key = heap.expect(id[2], ValueKind::text, "the storage's key").text;
+  const std::int64_t elements = heap.expect(id[4], ValueKind::integer, "the storage's element count").number;
+  if (elements < 0) heap.fail("an element count >= 0", fmt::format("{}", elements));
+
+  PickledObject& object = heap.object();
+  const auto [found, is_new] = heap.storage_by_key().try_emplace(key, object.storages.size());
+  if (is_new) {
+    object.storages.push_back({key, global.type, elements, heap.position()});
+  } else {
+    const StorageRequest& known = object.storages[found->second];
+    if (known.type != global.type || known.elements != elements) {
+      heap.fail(fmt::format("storage '{}' as {} elements of {}", printable(key), known.elements,
+                            nn::to_string(known.type)),
+                fmt::format("{} of {}", elements, nn::to_string(global.type)));
+    }
+  }
+
+  StorageSlice slice{found->second, 0, elements};
+  if (id.size() == 6 && heap[id[5]].kind != ValueKind::none) {
+    const std::vector<ValueId>& view = heap.expect(id[5], ValueKind::tuple, "the storage's view").items;
+    if (view.size() != 3) heap.fail("a storage view of 3 parts", fmt::format("{}", view.size()));
+    slice.offset = heap.expect(view[1], ValueKind::integer, "the view's offset").number;
+    slice.elements = heap.expect(view[2], ValueKind::integer, "the view's element count").number;
+    if (slice.offset < 0 || slice.elements < 0 || slice.offset > elements ||
+        slice.elements > elements - slice.offset) {
+      heap.fail(fmt::format("a view within the storage's {} elements", elements),
+                fmt::format("{} elements from {}", slice.elements, slice.offset));
+    }
+  }
+  object.slices.push_back(slice);
+  return heap.add(
+      {.kind = ValueKind::storage, .number = static_cast<std::int64_t>(object.slices.size() - 1)});
+}
+
+}  // namespace penumbra::weights_tools

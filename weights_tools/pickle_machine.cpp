@@ -1,0 +1,318 @@
+#include "weights_tools/pickle_machine.h"
+
+#include <fmt/format.h>
+
+#include <unordered_map>
+
+#include "nn/base/error.h"
+#include "nn/base/text.h"
+#include "weights_tools/byte_reader.h"
+#include "weights_tools/pickle_calls.h"
+#include "weights_tools/pickle_globals.h"
+
+namespace penumbra::weights_tools {
+
+namespace {
+
+constexpr std::size_t kLongestGlobalName = 256;
+constexpr int kNewestProtocol = 5;
+
+// The operations that are carried out, named as in CPython's pickletools.py.
+enum class Opcode : std::uint8_t {
+  kMark = '(',
+  kStop = '.',
+  kPop = '0',
+  kPopMark = '1',
+  kNone = 'N',
+  kNewTrue = 0x88,
+  kNewFalse = 0x89,
+  kBinInt = 'J',
+  kBinInt1 = 'K',
+  kBinInt2 = 'M',
+  kLong1 = 0x8a,
+  kBinFloat = 'G',
+  kBinString = 'T',
+  kShortBinString = 'U',
+  kBinUnicode = 'X',
+  kShortBinUnicode = 0x8c,
+  kBinUnicode8 = 0x8d,
+  kBinBytes = 'B',
+  kShortBinBytes = 'C',
+  kEmptyTuple = ')',
+  kTuple = 't',
+  kTuple1 = 0x85,
+  kTuple2 = 0x86,
+  kTuple3 = 0x87,
+  kEmptyList = ']',
+  kAppend = 'a',
+  kAppends = 'e',
+  kEmptyDict = '}',
+  kSetItem = 's',
+  kSetItems = 'u',
+  kEmptySet = 0x8f,
+  kAddItems = 0x90,
+  kBinPut = 'q',
+  kLongBinPut = 'r',
+  kMemoize = 0x94,
+  kBinGet = 'h',
+  kLongBinGet = 'j',
+  kGlobal = 'c',
+  kStackGlobal = 0x93,
+  kReduce = 'R',
+  kNewObj = 0x81,
+  kBuild = 'b',
+  kBinPersId = 'Q',
+  kProto = 0x80,
+  kFrame = 0x95,
+};
+
+class PickleMachine {
+ public:
+  PickleMachine(std::span<const std::byte> bytes, std::size_t begin, const std::string& place)
+      : heap_(place), reader_(bytes, begin, [this](std::uint64_t needed) { fail_at_end(needed); }) {}
+
+  PickledObject run() {
+    while (!stopped_) {
+      heap_.set_position(reader_.position());
+      step(reader_.number<std::uint8_t>());
+    }
+    heap_.object().root = pop();
+    heap_.object().end = reader_.position();
+    return std::move(heap_.object());
+  }
+
+ private:
+  void step(std::uint8_t opcode) {
+    switch (static_cast<Opcode>(opcode)) {
+      case Opcode::kProto:
+        return check_protocol();
+      case Opcode::kFrame:  // announces how much the next operations take; they check for themselves
+        reader_.number<std::uint64_t>();
+        return;
+      case Opcode::kStop:
+        stopped_ = true;
+        return;
+
+      case Opcode::kMark:
+        return marks_.push_back(stack_.size());
+      case Opcode::kPop:
+        pop();
+        return;
+      case Opcode::kPopMark:
+        return drop_to(pop_mark());
+
+      case Opcode::kNone:
+        return push({.kind = ValueKind::none});
+      case Opcode::kNewTrue:
+        return push({.kind = ValueKind::boolean, .number = 1});
+      case Opcode::kNewFalse:
+        return push({.kind = ValueKind::boolean, .number = 0});
+      case Opcode::kBinInt:
+        return push_integer(reader_.number<std::int32_t>());
+      case Opcode::kBinInt1:
+        return push_integer(reader_.number<std::uint8_t>());
+      case Opcode::kBinInt2:
+        return push_integer(reader_.number<std::uint16_t>());
+      case Opcode::kLong1:
+        return push_long(reader_.text(reader_.number<std::uint8_t>()));
+      case Opcode::kBinFloat:
+        reader_.take(8);
+        return push({.kind = ValueKind::real});
+
+      case Opcode::kBinString:  // Python 2's str
+      case Opcode::kBinUnicode:
+        return push_text(reader_.number<std::uint32_t>());
+      case Opcode::kShortBinString:
+      case Opcode::kShortBinUnicode:
+        return push_text(reader_.number<std::uint8_t>());
+      case Opcode::kBinUnicode8:
+        return push_text(reader_.number<std::uint64_t>());
+      case Opcode::kBinBytes:
+        return push({.kind = ValueKind::bytes, .text = reader_.text(reader_.number<std::uint32_t>())});
+      case Opcode::kShortBinBytes:
+        return push({.kind = ValueKind::bytes, .text = reader_.text(reader_.number<std::uint8_t>())});
+
+      case Opcode::kEmptyTuple:
+        return push({.kind = ValueKind::tuple});
+      case Opcode::kTuple:
+        return push_tuple(pop_mark());
+      case Opcode::kTuple1:
+        return push_tuple(below_top(1));
+      case Opcode::kTuple2:
+        return push_tuple(below_top(2));
+      case Opcode::kTuple3:
+        return push_tuple(below_top(3));
+
+      case Opcode::kEmptyList:
+        return push({.kind = ValueKind::list});
+      case Opcode::kAppend:
+        return append_from(below_top(1), ValueKind::list);
+      case Opcode::kAppends:
+        return append_from(pop_mark(), ValueKind::list);
+      case Opcode::kEmptyDict:
+        return push({.kind = ValueKind::dict});
+      case Opcode::kSetItem:
+        return append_from(below_top(2), ValueKind::dict);
+      case Opcode::kSetItems:
+        return append_from(pop_mark(), ValueKind::dict);
+      case Opcode::kEmptySet:
+        return push({.kind = ValueKind::opaque});
+      case Opcode::kAddItems:
+        return append_from(pop_mark(), ValueKind::opaque);
+
+      case Opcode::kBinPut:
+        return put(reader_.number<std::uint8_t>());
+      case Opcode::kLongBinPut:
+        return put(reader_.number<std::uint32_t>());
+      case Opcode::kMemoize:
+        return put(memo_.size());
+      case Opcode::kBinGet:
+        return get(reader_.number<std::uint8_t>());
+      case Opcode::kLongBinGet:
+        return get(reader_.number<std::uint32_t>());
+
+      case Opcode::kGlobal: {
+        const std::string_view module = reader_.line(kLongestGlobalName);
+        return push_global(module, reader_.line(kLongestGlobalName));
+      }
+      case Opcode::kStackGlobal: {
+        const std::string_view name = pop_text("a global's name");
+        return push_global(pop_text("a global's module"), name);
+      }
+      case Opcode::kReduce:
+      case Opcode::kNewObj: {
+        const ValueId arguments = pop(), function = pop();
+        return stack_.push_back(call(heap_, function, arguments));
+      }
+      case Opcode::kBuild:
+        return build();
+      case Opcode::kBinPersId:
+        return stack_.push_back(find_storage(heap_, pop()));
+    }
+    heap_.fail("a pickle operation that state dicts need",
+               fmt::format("opcode 0x{:02x} '{}' (nothing was executed)", opcode,
+                           printable(std::string_view(reinterpret_cast<const char*>(&opcode), 1))));
+  }
+
+  [[noreturn]] void fail_at_end(std::uint64_t needed) const {
+    heap_.fail(fmt::format("an operation that needs {} more bytes", needed),
+               fmt::format("{} bytes to the end (truncated or damaged)", reader_.remaining()));
+  }
+
+  void check_protocol() {
+    const int protocol = reader_.number<std::uint8_t>();
+    if (protocol > kNewestProtocol) {
+      heap_.fail(fmt::format("a pickle protocol up to {}", kNewestProtocol), fmt::format("{}", protocol));
+    }
+  }
+
+  // The stack. A mark hides what lies below it until it is popped.
+  std::size_t floor() const { return marks_.empty() ? 0 : marks_.back(); }
+
+  // The stack height without its `count` top values.
+  std::size_t below_top(std::size_t count) const {
+    if (stack_.size() - floor() < count) {
+      heap_.fail(fmt::format("{} values on the stack", count), fmt::format("{}", stack_.size() - floor()));
+    }
+    return stack_.size() - count;
+  }
+
+  ValueId top() const { return stack_[below_top(1)]; }
+
+  ValueId pop() {
+    const ValueId value = top();
+    stack_.pop_back();
+    return value;
+  }
+
+  std::string_view pop_text(std::string_view what) { return heap_.expect(pop(), ValueKind::text, what).text; }
+
+  std::size_t pop_mark() {
+    if (marks_.empty()) heap_.fail("a mark on the stack", "none");
+    const std::size_t height = marks_.back();
+    marks_.pop_back();
+    return height;
+  }
+
+  void drop_to(std::size_t height) { stack_.resize(height); }
+
+  void push(Value value) { stack_.push_back(heap_.add(std::move(value))); }
+  void push_integer(std::int64_t number) { push({.kind = ValueKind::integer, .number = number}); }
+  void push_text(std::uint64_t length) { push({.kind = ValueKind::text, .text = reader_.text(length)}); }
+
+  // Two's complement, little-endian, any number of bytes.
+  void push_long(std::string_view bytes) {
+    if (bytes.size() > 8) return push({.kind = ValueKind::bytes, .text = bytes});
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      number |= static_cast<std::uint64_t>(static_cast<std::uint8_t>(bytes[i])) << (8 * i);
+    }
+    const bool negative = !bytes.empty() && (static_cast<std::uint8_t>(bytes.back()) & 0x80U) != 0;
+    if (negative && bytes.size() < 8) number |= ~std::uint64_t{0} << (8 * bytes.size());
+    push_integer(static_cast<std::int64_t>(number));
+  }
+
+  void push_tuple(std::size_t begin) {
+    Value tuple{.kind = ValueKind::tuple};
+    tuple.items.assign(stack_.begin() + static_cast<std::ptrdiff_t>(begin), stack_.end());
+    drop_to(begin);
+    push(std::move(tuple));
+  }
+
+  // Moves the values from `begin` upwards into the container below them. Objects of inert classes take what
+  // they are given and keep nothing.
+  void append_from(std::size_t begin, ValueKind kind) {
+    if (begin <= floor()) heap_.fail(fmt::format("{} below the values", to_string(kind)), "nothing");
+    const ValueId container = stack_[begin - 1];
+    if (heap_[container].kind != ValueKind::opaque) {
+      heap_.expect(container, kind, "the container");
+      if (kind == ValueKind::dict && (stack_.size() - begin) % 2 != 0) {
+        heap_.fail("keys and values in pairs", "a key without a value");
+      }
+      for (std::size_t i = begin; i < stack_.size(); ++i) heap_.append(container, stack_[i]);
+    }
+    drop_to(begin);
+  }
+
+  void put(std::size_t index) { memo_[index] = top(); }
+
+  void get(std::size_t index) {
+    const auto found = memo_.find(index);
+    if (found == memo_.end()) heap_.fail("a value that was stored before", fmt::format("memo {}", index));
+    stack_.push_back(found->second);
+  }
+
+  void push_global(std::string_view module, std::string_view name) {
+    const std::optional<Global> global = find_global(module, name);
+    if (!global) {
+      heap_.fail("only globals that state dicts need, such as torch._utils._rebuild_tensor_v2",
+                 fmt::format("{}.{} (nothing was executed; {})", printable(module), printable(name),
+                             advice_on_refused_global(module, name)));
+    }
+    push({.kind = ValueKind::global, .global = *global});
+  }
+
+  // Sets an object's attributes: state dicts carry their modules' versions so, which nothing here needs.
+  void build() {
+    pop();
+    const ValueKind kind = heap_[top()].kind;
+    if (kind != ValueKind::dict && kind != ValueKind::opaque) {
+      heap_.fail("attributes for a dict", fmt::format("attributes for {}", to_string(kind)));
+    }
+  }
+
+  PickleHeap heap_;
+  ByteReader reader_;
+  std::vector<ValueId> stack_;
+  std::vector<std::size_t> marks_;  // heights of the stack
+  std::unordered_map<std::size_t, ValueId> memo_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+PickledObject run_pickle(std::span<const std::byte> bytes, std::size_t begin, const std::string& place) {
+  return PickleMachine(bytes.first(std::min(bytes.size(), begin + kLongestPickle)), begin, place).run();
+}
+
+}  // namespace penumbra::weights_tools
