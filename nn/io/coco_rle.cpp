@@ -9,6 +9,7 @@ std::vector<std::uint32_t> mask_runs(const Mask& mask, int width, int height) {
   std::uint32_t length = 0;
   bool value = false;
   const auto add = [&](bool bit, std::uint32_t count) {
+    if (count == 0) return;
     if (bit != value) {
       runs.push_back(length);
       length = 0;
@@ -28,8 +29,7 @@ std::vector<std::uint32_t> mask_runs(const Mask& mask, int width, int height) {
     add(false, below);
   }
   add(false, static_cast<std::uint32_t>(width - mask.x - mask.width) * static_cast<std::uint32_t>(height));
-  // A run of zeros of length 0 may be left at the end; a mask that is all zeros is one run.
-  if (length > 0 || runs.empty()) runs.push_back(length);
+  runs.push_back(length);
   return runs;
 }
 

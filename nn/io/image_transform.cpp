@@ -14,9 +14,13 @@ TransformedImage transform_image(const cv::Mat& image, const ImageTransform& tra
                      fmt::format("{} x {} pixels of {} channels", image.cols, image.rows, image.channels()));
   }
   const int height = image.rows, width = image.cols, channels = image.channels();
-  const double scale =
-      std::min(static_cast<float>(transform.min_size) / static_cast<float>(std::min(height, width)),
-               static_cast<float>(transform.max_size) / static_cast<float>(std::max(height, width)));
+  // PyTorch divides a number by a tensor as number * (1 / tensor), in f32: the last bit decides the floor
+  // below.
+  const auto ratio = [](int size, int extent) {
+    return 1.0F / static_cast<float>(extent) * static_cast<float>(size);
+  };
+  const double scale = std::min(ratio(transform.min_size, std::min(height, width)),
+                                ratio(transform.max_size, std::max(height, width)));
   TransformedImage result;
   // An extremely long image would lose its shorter side altogether.
   result.height = std::max(static_cast<int>(std::floor(height * scale)), 1);

@@ -1,6 +1,6 @@
 // From an image file's pixels to the network's input, as torchvision's detection models do it.
 //
-//   scale  = min( min_size / min(H, W), max_size / max(H, W) )           in f32
+//   scale  = min( min_size / min(H, W), max_size / max(H, W) )           in f32, quotients as a (1 / b)
 //   H' = floor(H scale), W' = floor(W scale)
 //   x  = (rgb / 255 - mean) / std, resized to H' x W' (bilinear, align_corners false), padded with zeros at
 //   the

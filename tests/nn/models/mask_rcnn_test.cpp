@@ -1,0 +1,233 @@
+// Mask R-CNN against torchvision 0.14.1: see weights_tools/reference/make_mask_rcnn_fixtures.py.
+#include "nn/models/mask_rcnn.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "nn/base/error.h"
+#include "nn/io/coco_rle.h"
+#include "nn/io/image_file.h"
+#include "tests/support/random_network.h"
+#include "tests/support/test_data.h"
+#include "weights_tools/load_weights.h"
+
+namespace penumbra::nn {
+namespace {
+
+// Detections below this score are left out of the comparison: near the score threshold and the end of the
+// list of 100, rounding decides which of them there are.
+constexpr float kLeastScore = 0.3F;
+
+nlohmann::json read_fixture(const std::string& name) {
+  std::ifstream file(test::fixture("mask_rcnn/" + name));
+  return nlohmann::json::parse(file);
+}
+
+// Intersection over union of two masks given as runs over the same image.
+double mask_iou(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+  std::uint64_t both = 0, either = 0;
+  std::size_t i = 0, j = 0;
+  std::uint64_t left_a = a[0], left_b = b[0];
+  while (true) {
+    while (left_a == 0 && i + 1 < a.size()) left_a = a[++i];
+    while (left_b == 0 && j + 1 < b.size()) left_b = b[++j];
+    const std::uint64_t step = std::min(left_a, left_b);
+    if (step == 0) break;
+    const bool in_a = i % 2 == 1, in_b = j % 2 == 1;
+    both += in_a && in_b ? step : 0;
+    either += in_a || in_b ? step : 0;
+    left_a -= step;
+    left_b -= step;
+  }
+  return either == 0 ? 1.0 : static_cast<double>(both) / static_cast<double>(either);
+}
+
+struct Tolerance {
+  double box, score, mask_iou;  // pixels, absolute, least overlap
+};
+
+// Every expected detection of kLeastScore or more has one of ours, and we find none that is not expected.
+void expect_same(const std::vector<Detection>& found, const nlohmann::json& expected, const cv::Size& image,
+                 const Tolerance& tolerance) {
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < expected["scores"].size(); ++i) {
+    const float score = expected["scores"][i];
+    if (score < kLeastScore) break;
+    const std::vector<float> box = expected["boxes"][i];
+    const auto box_error = [&](const Detection& d) {
+      return std::max({std::abs(d.box.x1 - box[0]), std::abs(d.box.y1 - box[1]), std::abs(d.box.x2 - box[2]),
+                       std::abs(d.box.y2 - box[3])});
+    };
+    const Detection* nearest = nullptr;
+    for (const Detection& d : found) {
+      if (d.label == expected["labels"][i] && (nearest == nullptr || box_error(d) < box_error(*nearest)))
+        nearest = &d;
+    }
+    ASSERT_NE(nearest, nullptr) << "detection " << i;
+    EXPECT_LE(box_error(*nearest), tolerance.box) << "detection " << i;
+    EXPECT_NEAR(nearest->score, score, tolerance.score) << "detection " << i;
+    const std::vector<std::uint32_t> runs = expected["masks"][i];
+    EXPECT_GT(mask_iou(mask_runs(nearest->mask, image.width, image.height), runs), tolerance.mask_iou)
+        << "detection " << i;
+    ++compared;
+  }
+  const auto ours =
+      std::count_if(found.begin(), found.end(), [](const Detection& d) { return d.score >= kLeastScore; });
+  EXPECT_NEAR(static_cast<double>(ours), static_cast<double>(compared), 1.0)
+      << "a score may cross the line of comparison";
+}
+
+constexpr Tolerance kTolerance{0.05, 1e-3, 0.995};
+
+void compare_random_network(bool attention, const std::string& fixture) {
+  MaskRcnnConfig config;
+  config.transform.min_size = 128;
+  config.transform.max_size = 224;
+  MaskRcnn network(test::random_mask_rcnn(attention), config);
+  EXPECT_EQ(network.has_attention(), attention);
+  for (const nlohmann::json& expected : read_fixture(fixture)) {
+    const cv::Mat image = test::random_image(expected["seed"], expected["width"], expected["height"]);
+    expect_same(network(image), expected, image.size(), kTolerance);
+  }
+}
+
+TEST(MaskRcnn, BaselineWithRandomWeightsFindsWhatTorchvisionFinds) {
+  compare_random_network(false, "random_baseline.json");
+}
+
+TEST(MaskRcnn, MixedAttentionWithRandomWeightsFindsWhatPyTorchFinds) {
+  compare_random_network(true, "random_attention.json");
+}
+
+TEST(MaskRcnn, TrainedWeightsFindWhatTorchvisionFindsOnRealImages) {
+  PENUMBRA_REAL_DATA(checkpoint, "weights/maskrcnn_r50fpn.pth");
+  MaskRcnn network(weights_tools::load_weights(checkpoint));
+  EXPECT_EQ(network.classes(), 91);
+  for (const nlohmann::json& expected : read_fixture("trained.json")) {
+    PENUMBRA_REAL_DATA(path, expected["image"].get<std::string>());
+    SCOPED_TRACE(path);
+    const cv::Mat image = read_image(path, ImageColour::bgr);
+    expect_same(network(image), expected, image.size(), kTolerance);
+  }
+}
+
+MaskRcnnConfig small_images() {
+  MaskRcnnConfig config;
+  config.transform.min_size = 64;
+  config.transform.max_size = 128;
+  return config;
+}
+
+TEST(MaskRcnn, AttentionLeftOutIsTheBaselineBitForBit) {
+  StateDict weights = test::random_mask_rcnn(true);
+  MaskRcnnConfig config = small_images();
+  config.attention = false;
+  MaskRcnn without(weights, config);
+  EXPECT_FALSE(without.has_attention());
+  std::erase_if(weights.tensors,
+                [](const auto& entry) { return entry.first.find("attention") != std::string::npos; });
+  MaskRcnn baseline(weights, small_images());
+  const cv::Mat image = test::random_image(3, 80, 60);
+  const std::vector<Detection> a = without(image), b = baseline(image);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].score, b[i].score);
+    EXPECT_EQ(a[i].box.x1, b[i].box.x1);
+    EXPECT_EQ(a[i].mask.bits, b[i].mask.bits);
+  }
+}
+
+TEST(MaskRcnn, RepeatsBitForBitOnAnyNumberOfThreadsWithoutNewMemory) {
+  MaskRcnn network(test::random_mask_rcnn(true), small_images());
+  const cv::Mat image = test::random_image(4, 90, 70);
+  const int threads = omp_get_max_threads();
+  const std::vector<Detection> first = network(image);
+  const std::size_t allocations = network.arena().allocations();
+  for (const int count : {1, 2, 3}) {
+    omp_set_num_threads(count);
+    const std::vector<Detection> again = network(image);
+    ASSERT_EQ(again.size(), first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(again[i].score, first[i].score);
+      EXPECT_EQ(again[i].box.y2, first[i].box.y2);
+      EXPECT_EQ(again[i].mask.bits, first[i].mask.bits);
+    }
+  }
+  omp_set_num_threads(threads);
+  EXPECT_EQ(network.arena().allocations(), allocations);
+}
+
+TEST(MaskRcnn, ImagesOfAnyShapeAreTaken) {
+  MaskRcnn network(test::random_mask_rcnn(false), small_images());
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 300), cv::Size(300, 1), cv::Size(64, 64)}) {
+    EXPECT_LE(network(test::random_image(1, size.width, size.height)).size(), 100U)
+        << size.width << " x " << size.height;
+    EXPECT_LE(network(cv::Mat1b(size, std::uint8_t{0})).size(), 100U);
+  }
+  EXPECT_THROW(network(cv::Mat()), InputError);
+  EXPECT_THROW(network(cv::Mat(4, 4, CV_32FC3)), InputError);
+}
+
+TEST(MaskRcnn, WeightsThatAreNotANumberGiveNoDetections) {
+  StateDict weights = test::random_mask_rcnn(false);
+  const float nan = std::nanf("");
+  std::vector<float> values(64 * 3 * 7 * 7, nan);
+  weights.tensors["backbone.body.conv1.weight"].bytes = std::as_bytes(std::span(values));
+  MaskRcnn network(weights, small_images());
+  EXPECT_TRUE(network(test::random_image(1, 64, 48)).empty());
+}
+
+TEST(MaskRcnn, OneErrorListsEveryTensorThatDoesNotFit) {
+  StateDict weights = test::random_mask_rcnn(false);
+  weights.source = "bad.pth";
+  weights.tensors.erase("rpn.head.cls_logits.bias");
+  weights.tensors["backbone.body.bn1.weight"].shape = {8, 8};
+  weights.tensors["surprise"] = weights.tensors["backbone.body.bn1.bias"];
+  try {
+    MaskRcnn network(weights);
+    FAIL() << "the weights were taken";
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    for (const char* part : {"bad.pth", "missing rpn.head.cls_logits.bias [3]",
+                             "backbone.body.bn1.weight: expected shape [64], found [8, 8]",
+                             "not part of the network: surprise [64]", "3 that do not fit"}) {
+      EXPECT_NE(message.find(part), std::string::npos) << part << " in " << message;
+    }
+  }
+}
+
+TEST(MaskRcnn, WeightsWithTorchvisionsOldNamesAreTaken) {
+  StateDict weights = test::random_mask_rcnn(false);
+  const auto rename = [&](const std::string& from, const std::string& to) {
+    for (const char* part : {".weight", ".bias"}) {
+      auto entry = weights.tensors.extract(from + part);
+      ASSERT_FALSE(entry.empty());
+      entry.key() = to + part;
+      weights.tensors.insert(std::move(entry));
+    }
+  };
+  for (const std::string k : {"0", "1", "2", "3"}) {
+    rename("backbone.fpn.inner_blocks." + k + ".0", "backbone.fpn.inner_blocks." + k);
+    rename("backbone.fpn.layer_blocks." + k + ".0", "backbone.fpn.layer_blocks." + k);
+    rename("roi_heads.mask_head." + k + ".0",
+           "roi_heads.mask_head.mask_fcn" + std::to_string(std::stoi(k) + 1));
+  }
+  rename("rpn.head.conv.0.0", "rpn.head.conv");
+  EXPECT_NO_THROW(MaskRcnn{weights});
+}
+
+TEST(MaskRcnn, TheEpsilonOfTheMetadataIsUsedAndChecked) {
+  StateDict weights = test::random_mask_rcnn(false);
+  for (const char* wrong : {"", "much", "-1", "1e-5 or so", "nan"}) {
+    weights.metadata["batch_norm_eps"] = wrong;
+    EXPECT_THROW(MaskRcnn{weights}, InputError) << wrong;
+  }
+  weights.metadata["batch_norm_eps"] = "0";
+  EXPECT_NO_THROW(MaskRcnn{weights});
+}
+
+}  // namespace
+}  // namespace penumbra::nn
