@@ -4,4 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-namespace penumbra::apps {}  // namespace penumbra::apps
+namespace penumbra::apps {
+
+void add_synth_command(CLI::App& app);  // penumbra synth: render a synthetic drive
+
+}  // namespace penumbra::apps

@@ -1,0 +1,26 @@
+// From light to 8-bit pixels: exposure, gamma, noise.
+//
+//   grey level = 255 * encode(exposure * L) + noise,   encode(l) = l^(1/2.2) with a soft shoulder near white
+//   L of a grey camera = 0.299 R + 0.587 G + 0.114 B;  noise: about Gaussian, sigma in grey levels,
+//   a function of pixel, frame, camera and seed
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+namespace penumbra::slam::synthetic {
+
+struct SensorSettings {
+  float exposure = 1.0F;
+  float noise = 1.3F;            // sigma, grey levels
+  std::uint32_t noise_seed = 0;  // different for every image
+};
+
+// Slow changes of a camera's automatic exposure, about +-12 %, at `time` seconds.
+float automatic_exposure(double time, std::uint32_t seed);
+
+// `radiance` is linear red, green, blue. The results are allocated where needed.
+void develop_grey(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat1b& grey);
+void develop_bgr(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat3b& bgr);
+
+}  // namespace penumbra::slam::synthetic
