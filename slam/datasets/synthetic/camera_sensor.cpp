@@ -19,7 +19,8 @@ const std::array<float, kLevels + 1>& encoding() {
     for (int i = 0; i <= kLevels; ++i) {
       const float light = kWhite * static_cast<float>(i) / kLevels;
       const float compressed = light * (1.0F + 0.25F * light) / (1.0F + 0.75F * light);
-      levels[static_cast<std::size_t>(i)] = 255.0F * std::min(1.0F, std::pow(compressed * 1.1F, 1.0F / 2.2F));
+      levels[static_cast<std::size_t>(i)] =
+          255.0F * std::min(1.0F, std::pow(compressed * 1.08F, 1.0F / 1.9F));
     }
     return levels;
   }();

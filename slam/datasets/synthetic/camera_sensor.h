@@ -1,6 +1,6 @@
 // From light to 8-bit pixels: exposure, gamma, noise.
 //
-//   grey level = 255 * encode(exposure * L) + noise,   encode(l) = l^(1/2.2) with a soft shoulder near white
+//   grey level = 255 * encode(exposure * L) + noise,   encode(l) = l^(1/1.9) with a soft shoulder near white
 //   L of a grey camera = 0.299 R + 0.587 G + 0.114 B;  noise: about Gaussian, sigma in grey levels,
 //   a function of pixel, frame, camera and seed
 #pragma once

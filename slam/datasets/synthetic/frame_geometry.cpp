@@ -274,9 +274,9 @@ void FrameGeometry::punch_holes(const FrameBody& in_frame, RayBatch& batch, cons
     const Eigen::Vector3f p = placed.camera_in_local + batch.depth[i] * direction;
     const Eigen::Vector3f normal = body.inverse_radii.cwiseAbs2().cwiseProduct(p - body.centre).normalized();
     const float facing = -normal.dot(direction) / direction.norm();
-    const float noise = 0.6F * value_noise(p.x() * 3.1F, p.y() * 3.1F, p.z() * 3.1F, seed) +
-                        0.5F * value_noise(p.x() * 8.3F, p.y() * 8.3F, p.z() * 8.3F, seed + 1U);
-    if (noise > 0.15F + 1.1F * facing - 0.35F) {
+    const float noise = 0.5F * value_noise(p.x() * 3.1F, p.y() * 3.1F, p.z() * 3.1F, seed) +
+                        0.8F * value_noise(p.x() * 9.0F, p.y() * 9.0F, p.z() * 9.0F, seed + 1U);
+    if (noise > 0.9F * facing - 0.12F) {
       batch.depth[i] = depth_before[i];
       batch.surface[i] = surface_before[i];
     }

@@ -12,8 +12,8 @@ Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a
 Colour asphalt(const World& world, const RoadPoint& road, float x, float z, float detail,
                const Eigen::Vector3f& fp) {
   const float coarse = fractal_noise(x, z, detail, {6.0F, 4, 0.75F}, world.seed + 100U);
-  const float grain = fractal_noise(x, z, detail, {0.4F, 6, 0.95F}, world.seed + 110U);
-  float tone = 0.135F * (1.0F + 0.22F * coarse + 0.30F * grain);
+  const float grain = fractal_noise(x, z, detail, {0.5F, 7, 1.0F}, world.seed + 110U);
+  float tone = 0.12F * std::max(0.2F, 1.0F + 0.20F * coarse + 0.26F * grain);
   // Repairs: darker or lighter fields with sharp edges.
   const float field = value_noise(x * 0.23F, z * 0.31F, world.seed + 120U) +
                       0.25F * value_noise(x * 1.3F, z * 1.1F, world.seed + 121U);
@@ -56,7 +56,7 @@ Colour asphalt(const World& world, const RoadPoint& road, float x, float z, floa
 }
 
 Colour pavement(const World& world, const RoadPoint& road, float x, float z, float detail) {
-  const float grain = fractal_noise(x, z, detail, {1.5F, 7, 0.85F}, world.seed + 200U);
+  const float grain = fractal_noise(x, z, detail, {1.5F, 8, 0.95F}, world.seed + 200U);
   // Slabs of 0.5 m, every second row shifted by half a slab.
   const float row = road.along / 0.5F, row_number = std::floor(row);
   const float shift = (static_cast<int>(row_number) & 1) != 0 ? 0.5F : 0.0F;
@@ -65,7 +65,7 @@ Colour pavement(const World& world, const RoadPoint& road, float x, float z, flo
       to_unit(hash_of(static_cast<std::uint32_t>(static_cast<int>(row_number)),
                       static_cast<std::uint32_t>(static_cast<int>(column_number)), world.seed));
   const float visible = band_weight(0.5F, detail);
-  float value = 0.30F * (1.0F + visible * 0.5F * (tone - 0.5F) + 0.20F * grain);
+  float value = 0.30F * (1.0F + visible * 0.5F * (tone - 0.5F) + 0.17F * grain);
   const float joint = 0.012F, width = std::max(detail / 0.5F, 0.01F);
   const float u = row - row_number, v = column - column_number;
   const float gap = pulse(u, 0.0F, 2.0F * joint, width) + pulse(v, 0.0F, 2.0F * joint, width);

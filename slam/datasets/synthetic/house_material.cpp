@@ -10,10 +10,11 @@ namespace {
 Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a) * weight; }
 
 Colour wall_colour(const Material& material, float u, float height, float detail) {
-  const float patina = fractal_noise(u, height, detail, {3.0F, 9, 0.82F}, material.seed);
+  const float patina = fractal_noise(u, height, detail, {0.6F, 7, 1.0F}, material.seed) +
+                       0.7F * value_noise(0.5F * u, 0.5F * height, material.seed + 30U);
   // Rain leaves streaks: noise stretched in height.
   const float streaks = fractal_noise(u, 0.15F * height, detail, {0.5F, 4, 0.8F}, material.seed + 20U);
-  Colour colour = material.colour * (1.0F + 0.17F * patina + 0.07F * streaks);
+  Colour colour = material.colour * (std::max(0.2F, 1.0F + 0.15F * patina + 0.08F * streaks));
   if (material.facade.brick) {
     constexpr float kCourse = 0.075F, kBrick = 0.24F;
     const float visible = band_weight(0.15F, detail);
@@ -26,7 +27,7 @@ Colour wall_colour(const Material& material, float u, float height, float detail
                           static_cast<std::uint32_t>(static_cast<int>(column_number)), material.seed));
       const float mortar = std::min(1.0F, pulse(row - row_number, 0.0F, 0.14F, detail / kCourse) +
                                               pulse(column - column_number, 0.0F, 0.045F, detail / kBrick));
-      colour *= 1.0F + visible * (0.7F * (tone - 0.5F));
+      colour *= 1.0F + visible * (0.9F * (tone - 0.5F));
       colour = blend(colour, Colour(0.50F, 0.47F, 0.43F), 0.75F * visible * mortar);
     }
   }
@@ -152,7 +153,7 @@ Appearance roof_appearance(const Material& material, const SurfacePoint& point) 
       to_unit(hash_of(static_cast<std::uint32_t>(static_cast<int>(row_number)),
                       static_cast<std::uint32_t>(static_cast<int>(std::floor(column))), material.seed));
   const float visible = band_weight(0.33F, detail);
-  const float patina = fractal_noise(u, v, detail, {4.0F, 7, 0.85F}, material.seed + 5U);
+  const float patina = fractal_noise(u, v, detail, {3.0F, 8, 0.95F}, material.seed + 5U);
   const float edge = pulse(row - row_number, 0.0F, 0.2F, detail / 0.33F);
   look.albedo = material.colour * (1.0F + 0.25F * patina + visible * (0.5F * (tone - 0.5F) - 0.4F * edge));
   return look;

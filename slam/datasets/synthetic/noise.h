@@ -79,26 +79,27 @@ inline float value_noise(float x, float y, float z, std::uint32_t seed) {
 }
 
 struct Octaves {
-  float wavelength = 1.0F;  // metres, of the first octave
+  float cell = 1.0F;  // metres, of the first octave
   int count = 6;
   float gain = 0.8F;  // amplitude of an octave over the one before
 };
 
-// The weight w_k of detail of `wavelength` metres where a pixel covers `footprint` metres.
-inline float band_weight(float wavelength, float footprint) {
-  return clamp01(0.5F * wavelength / footprint - 1.0F);
-}
+// The weight of detail with a period of `period` metres where a pixel covers `footprint` metres: 0 from the
+// Nyquist limit (two pixels a period) on, 1 from twice that.
+inline float band_weight(float period, float footprint) { return clamp01(0.5F * period / footprint - 1.0F); }
 
-// Band-limited fractal noise over a surface; about zero mean, mostly within [-1.5, 1.5] for gain 0.8.
+inline float emphasise(float n) { return n * (0.5F + 1.5F * n * n); }
+
+// Band-limited fractal noise over a surface; about zero mean, mostly within [-1.5, 1.5].
 inline float fractal_noise(float x, float y, float footprint, const Octaves& octaves, std::uint32_t seed) {
-  float sum = 0.0F, amplitude = 1.0F, wavelength = octaves.wavelength;
-  float px = x / wavelength, py = y / wavelength;
+  float sum = 0.0F, amplitude = 1.0F, cell = octaves.cell;
+  float px = x / cell, py = y / cell;
   for (int k = 0; k < octaves.count; ++k) {
-    const float weight = band_weight(wavelength, footprint);
+    const float weight = band_weight(2.0F * cell, footprint);
     if (weight <= 0.0F) break;  // finer octaves have none either
-    sum += amplitude * weight * value_noise(px, py, seed + static_cast<std::uint32_t>(k));
+    sum += amplitude * weight * emphasise(value_noise(px, py, seed + static_cast<std::uint32_t>(k)));
     amplitude *= octaves.gain;
-    wavelength *= 0.5F;
+    cell *= 0.5F;
     // Each octave is turned by 37 degrees as well, so that the lattices never line up.
     const float rx = 1.5972710F * px - 1.2036300F * py, ry = 1.2036300F * px + 1.5972710F * py;
     px = rx;
@@ -109,15 +110,15 @@ inline float fractal_noise(float x, float y, float footprint, const Octaves& oct
 
 inline float fractal_noise(float x, float y, float z, float footprint, const Octaves& octaves,
                            std::uint32_t seed) {
-  float sum = 0.0F, amplitude = 1.0F, wavelength = octaves.wavelength;
+  float sum = 0.0F, amplitude = 1.0F, cell = octaves.cell;
   for (int k = 0; k < octaves.count; ++k) {
-    const float weight = band_weight(wavelength, footprint);
+    const float weight = band_weight(2.0F * cell, footprint);
     if (weight <= 0.0F) break;
-    const float scale = 1.0F / wavelength;
+    const float scale = 1.0F / cell;
     sum += amplitude * weight *
-           value_noise(x * scale, y * scale, z * scale, seed + static_cast<std::uint32_t>(k));
+           emphasise(value_noise(x * scale, y * scale, z * scale, seed + static_cast<std::uint32_t>(k)));
     amplitude *= octaves.gain;
-    wavelength *= 0.5F;
+    cell *= 0.5F;
   }
   return sum;
 }

@@ -89,9 +89,9 @@ Appearance car_appearance(const Material& material, const Body& body, int face, 
     const float mirrored =
         fractal_noise(p.x() + p.z(), 2.0F * p.y(), detail, {0.9F, 4, 0.7F}, material.seed + 33U);
     Colour pane = Colour(0.035F, 0.040F, 0.042F) * (1.0F + 0.5F * seats);
-    pane += Colour(0.13F, 0.15F, 0.17F) * smooth_step(0.1F, 0.9F, mirrored);
+    pane += Colour(0.09F, 0.11F, 0.13F) * smooth_step(0.2F, 0.9F, mirrored);
     look.albedo = blend(look.albedo, pane, glass);
-    look.gloss = mix(look.gloss, 0.28F, glass);
+    look.gloss = mix(look.gloss, 0.13F, glass);
     return look;
   }
   if (cabin) return look;
@@ -174,9 +174,9 @@ Appearance plain_appearance(const Material& material, const SurfacePoint& point)
   Appearance look;
   switch (material.surface) {
     case Surface::leaves: {
-      const float clumps = fractal_noise(p.x(), p.y(), p.z(), detail, {0.9F, 6, 0.95F}, material.seed);
+      const float clumps = fractal_noise(p.x(), p.y(), p.z(), detail, {0.4F, 5, 1.1F}, material.seed);
       const float light = smooth_step(-0.9F, 1.1F, clumps);
-      look.albedo = material.colour * (0.30F + 1.6F * light);
+      look.albedo = material.colour * (0.15F + 1.9F * light);
       look.albedo.x() += 0.04F * light * light;
       break;
     }
@@ -206,7 +206,7 @@ Appearance plain_appearance(const Material& material, const SurfacePoint& point)
       break;
     }
     default: {
-      const float noise = fractal_noise(p[a], p[b], detail, {1.2F, 8, 0.85F}, material.seed);
+      const float noise = fractal_noise(p[a], p[b], detail, {1.0F, 8, 0.95F}, material.seed);
       look.albedo = material.colour * std::max(0.2F, 1.0F + 0.28F * noise);
       look.gloss = 0.01F;
     }

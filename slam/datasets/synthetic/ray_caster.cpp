@@ -236,8 +236,9 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
   if (look.gloss > 0.0F) {
     const float facing = clamp01(-normal.dot(view));
     const float grazing = 1.0F - facing;
-    const float fresnel = look.gloss + 0.5F * look.gloss * 10.0F * (1.0F - look.gloss) * 0.2F * grazing *
-                                           grazing * grazing * grazing;
+    // Schlick's approximation, with `gloss` at normal incidence.
+    const float g2 = grazing * grazing;
+    const float fresnel = look.gloss + 0.6F * (1.0F - look.gloss) * g2 * g2 * grazing;
     const Eigen::Vector3f mirrored = view + 2.0F * facing * normal;
     // Above the horizon the sky, towards it houses, below it the road.
     const float height = -mirrored.y();
@@ -245,10 +246,9 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
         blend(Colour(0.22F, 0.21F, 0.20F), Colour(0.62F, 0.70F, 0.82F), smooth_step(0.15F, 0.55F, height));
     const Colour seen =
         height > 0.0F ? above : blend(above, Colour(0.12F, 0.12F, 0.12F), clamp01(-4.0F * height));
-    light += seen * std::min(1.0F, 2.0F * fresnel) * (0.5F + 0.5F * ambient);
+    light += seen * fresnel * (0.5F + 0.5F * ambient);
     const float glint = std::max(0.0F, mirrored.dot(world_.to_sun));
-    const float g2 = glint * glint, g8 = g2 * g2 * g2 * g2, g64 = g8 * g8 * g8 * g8 * g8 * g8 * g8 * g8;
-    light += world_.sun_colour * (4.0F * look.gloss * g64 * sun);
+    light += world_.sun_colour * (4.0F * look.gloss * std::pow(glint, 64.0F) * sun);
   }
   // Haze.
   const float haze = 1.0F - std::exp(-depth * ray_length * (1.0F / 900.0F));

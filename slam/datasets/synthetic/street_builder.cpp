@@ -95,9 +95,11 @@ class StreetBuilder {
     roads_ = lay_roads(drive.route);
     world_.road_map = RoadMap(roads_);
     track_ = RoadMap({drive.route});
-    // The sun stands 35 to 55 degrees high, anywhere but straight along the first heading.
-    const float azimuth = random_.uniform(0.6F, 2.5F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
-    const float height = random_.uniform(0.6F, 0.95F);
+    // The sun stands 45 to 62 degrees high and shines across and along the first heading, from before or
+    // behind, so that houses shade one side of the street only.
+    float azimuth = random_.uniform(0.5F, 1.1F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
+    if (random_.chance(0.6F)) azimuth += static_cast<float>(kPi);
+    const float height = random_.uniform(0.78F, 1.08F);
     world_.to_sun = Eigen::Vector3f(std::cos(height) * std::sin(azimuth), -std::sin(height),
                                     std::cos(height) * std::cos(azimuth));
   }
@@ -214,6 +216,10 @@ class StreetBuilder {
       if (stands(back) && is_free(footprint_of(back, 0.5, 0.5 * length), kPavementEnd + 0.05)) {
         add_hedge(world_, random_, static_cast<float>(length)).pose = back;
       }
+      // Trees in the gardens and gaps between houses.
+      const GroundPose garden = beside(road, along, side, kPavementEnd + random_.uniform(3.0F, 8.0F));
+      if (is_free(footprint_of(garden, 1.8, 1.8), kPavementEnd + 0.5))
+        add_tree(world_, random_).pose = garden;
       along += random_.uniform(4.0F, 9.0F);
     }
   }

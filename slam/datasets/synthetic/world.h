@@ -86,8 +86,8 @@ struct World {
   std::vector<Body> bodies;
   std::vector<Object> objects;
   Eigen::Vector3f to_sun = Eigen::Vector3f(0.5F, -0.75F, -0.35F).normalized();  // unit vector
-  Colour sun_colour{1.25F, 1.15F, 0.98F};
-  Colour sky_colour{0.36F, 0.42F, 0.52F};  // ambient light from above
+  Colour sun_colour{1.45F, 1.30F, 1.08F};
+  Colour sky_colour{0.34F, 0.40F, 0.50F};  // ambient light from above
 };
 
 // Cross-section of a street, metres from its centreline. Traffic keeps to the right.
