@@ -13,7 +13,7 @@ Colour asphalt(const World& world, const RoadPoint& road, float x, float z, floa
                const Eigen::Vector3f& fp) {
   const float coarse = fractal_noise(x, z, detail, {6.0F, 4, 0.75F}, world.seed + 100U);
   const float grain = fractal_noise(x, z, detail, {0.5F, 7, 1.0F}, world.seed + 110U);
-  float tone = 0.12F * std::max(0.2F, 1.0F + 0.20F * coarse + 0.26F * grain);
+  float tone = 0.12F * std::max(0.2F, 1.0F + 0.20F * coarse + 0.33F * grain);
   // Repairs: darker or lighter fields with sharp edges.
   const float field = value_noise(x * 0.23F, z * 0.31F, world.seed + 120U) +
                       0.25F * value_noise(x * 1.3F, z * 1.1F, world.seed + 121U);
@@ -65,7 +65,7 @@ Colour pavement(const World& world, const RoadPoint& road, float x, float z, flo
       to_unit(hash_of(static_cast<std::uint32_t>(static_cast<int>(row_number)),
                       static_cast<std::uint32_t>(static_cast<int>(column_number)), world.seed));
   const float visible = band_weight(0.5F, detail);
-  float value = 0.30F * (1.0F + visible * 0.5F * (tone - 0.5F) + 0.17F * grain);
+  float value = 0.30F * (1.0F + visible * 0.5F * (tone - 0.5F) + 0.22F * grain);
   const float joint = 0.012F, width = std::max(detail / 0.5F, 0.01F);
   const float u = row - row_number, v = column - column_number;
   const float gap = pulse(u, 0.0F, 2.0F * joint, width) + pulse(v, 0.0F, 2.0F * joint, width);
@@ -98,10 +98,10 @@ Appearance ground_appearance(const World& world, const SurfacePoint& point) {
     look.albedo = blend(look.albedo, beyond, smooth_step(kKerb - soft, kKerb + soft, d));
   }
   if (d > kPavementEnd - soft) {
-    const float blades = fractal_noise(x, z, detail, {3.0F, 9, 0.9F}, world.seed + 220U);
+    const float blades = fractal_noise(x, z, detail, {1.0F, 7, 1.0F}, world.seed + 220U);
     const float dry = smooth_step(0.0F, 0.8F, value_noise(x * 0.2F, z * 0.2F, world.seed + 230U));
     const Colour grass = blend(Colour(0.075F, 0.135F, 0.035F), Colour(0.19F, 0.17F, 0.09F), dry) *
-                         std::max(0.25F, 1.0F + 0.45F * blades);
+                         std::max(0.25F, 1.0F + 0.5F * blades);
     look.albedo = blend(look.albedo, grass, smooth_step(kPavementEnd - soft, kPavementEnd + soft, d));
   }
   look.albedo = look.albedo.cwiseMax(0.01F);

@@ -19,6 +19,9 @@ constexpr double kStep = 0.8;       // metres per frame of the built-in drives
 constexpr double kSpacing = 1.0;    // metres between the points of a route
 constexpr double kSmoothing = 4.0;  // metres: half width of the average that turns poses into a route
 
+// What a pose file may ask for: a street is built along all of it.
+constexpr double kLongestStep = 20.0, kLongestDrive = 20000.0;  // metres
+
 Eigen::Vector2d direction_of(double heading) { return {std::sin(heading), std::cos(heading)}; }
 
 // Once round a rectangle with rounded corners, starting 34 m before the first right-hand bend.
@@ -119,6 +122,20 @@ std::vector<SE3> read_poses(const std::filesystem::path& file) {
       throw InputError(place, "a rotation in the left 3x3 part", "a matrix that is not orthogonal");
     }
     poses.push_back(pose);
+  }
+  double length = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double step = (poses[i].translation - poses[i - 1].translation).norm();
+    length += step;
+    if (step > kLongestStep) {
+      throw InputError(fmt::format("{}, pose {}", file.string(), i),
+                       fmt::format("at most {} m from the pose before", kLongestStep),
+                       fmt::format("{:.1f} m", step));
+    }
+  }
+  if (length > kLongestDrive) {
+    throw InputError(file.string(), fmt::format("a drive of at most {} m", kLongestDrive),
+                     fmt::format("{:.0f} m", length));
   }
   if (poses.empty()) throw InputError(file.string(), "at least one pose", "none");
   return poses;

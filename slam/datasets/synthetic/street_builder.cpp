@@ -134,6 +134,19 @@ class StreetBuilder {
     return track_.at(static_cast<float>(p.x()), static_cast<float>(p.y())).distance;
   }
 
+  // Whether the camera's track stays `clearance` metres away from all of `area`.
+  bool off_track(const Footprint& area, double clearance) const {
+    for (const double x : {-1.0, 0.0, 1.0}) {
+      for (const double z : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+        if (track_distance(area.centre + x * area.half_x * area.axis_x + z * area.half_z * area.axis_z) <
+            clearance) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
   bool is_free(const Footprint& area, double road_clearance) const {
     constexpr int kSamples = 8;  // along each axis: closer together than a road is wide
     for (int i = 0; i <= kSamples; ++i) {
@@ -180,7 +193,7 @@ class StreetBuilder {
       const GroundPose pose = beside(road, along, side, kParkedCentre + random_.uniform(-0.08F, 0.1F));
       const bool wanted = random_.chance(settings_.parked_cars);
       if (wanted && road_distance(pose.position) > kParkedCentre - 0.5 &&
-          track_distance(pose.position) > 2.3 && bend(road, along) < 0.15) {
+          off_track(footprint_of(pose, 1.1, 2.7), 1.2) && bend(road, along) < 0.15) {
         Object& car = add_car(world_, random_);
         car.pose = pose;
         car.pose.heading += random_.uniform(-0.03F, 0.03F) + (random_.chance(0.12F) ? kPi : 0.0);

@@ -25,10 +25,9 @@ SequenceSettings checked(SequenceSettings settings) {
 }
 
 Drive drive_of(const SequenceSettings& settings) {
-  const std::filesystem::path file(settings.path);
-  if (settings.path != "block" && settings.path != "straight" && file.has_extension()) {
-    return load_drive(file, settings.frames);
-  }
+  // The built-in names have no dot and no slash, a file's path has one or the other.
+  if (settings.path.find_first_of("./") != std::string::npos)
+    return load_drive(settings.path, settings.frames);
   return make_drive(settings.path, settings.frames == 0 ? kDefaultFrames : settings.frames);
 }
 
