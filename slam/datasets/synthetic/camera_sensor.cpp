@@ -41,8 +41,20 @@ std::uint8_t level(float light, float noise) {
 
 }  // namespace
 
-float automatic_exposure(double time, std::uint32_t seed) {
-  return 1.0F + 0.12F * value_noise(static_cast<float>(time) * 0.35F, 0.5F, seed);
+float automatic_exposure(const cv::Mat3f& radiance, double time, std::uint32_t seed) {
+  constexpr int kStep = 4;  // every fourth pixel each way is enough for a mean
+  constexpr float kMiddle = 0.32F, kStrength = 0.8F;
+  double sum = 0.0;
+  int count = 0;
+  for (int row = 0; row < radiance.rows; row += kStep) {
+    for (int column = 0; column < radiance.cols; column += kStep) {
+      sum += std::min(static_cast<double>(radiance(row, column)[1]), 1.0);
+      ++count;
+    }
+  }
+  const auto mean = static_cast<float>(sum / count) + 1e-3F;
+  const float hunting = 1.0F + 0.1F * value_noise(static_cast<float>(time) * 0.35F, 0.5F, seed);
+  return std::pow(kMiddle / mean, kStrength) * hunting;
 }
 
 void develop_grey(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat1b& grey) {

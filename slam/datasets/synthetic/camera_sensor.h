@@ -16,8 +16,10 @@ struct SensorSettings {
   std::uint32_t noise_seed = 0;  // different for every image
 };
 
-// Slow changes of a camera's automatic exposure, about +-12 %, at `time` seconds.
-float automatic_exposure(double time, std::uint32_t seed);
+// What an automatic exposure makes of a view: it brings the mean light towards a middle grey, though not all
+// the way, and hunts slowly by about +-10 % around it at `time` seconds. Both cameras of a pair share the
+// left's.
+float automatic_exposure(const cv::Mat3f& radiance, double time, std::uint32_t seed);
 
 // `radiance` is linear red, green, blue. The results are allocated where needed.
 void develop_grey(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat1b& grey);

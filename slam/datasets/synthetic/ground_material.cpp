@@ -13,7 +13,7 @@ Colour asphalt(const World& world, const RoadPoint& road, float x, float z, floa
                const Eigen::Vector3f& fp) {
   const float coarse = fractal_noise(x, z, detail, {6.0F, 4, 0.75F}, world.seed + 100U);
   const float grain = fractal_noise(x, z, detail, {0.5F, 7, 1.0F}, world.seed + 110U);
-  float tone = 0.12F * std::max(0.2F, 1.0F + 0.20F * coarse + 0.33F * grain);
+  float tone = 0.12F * std::max(0.2F, 1.0F + 0.12F * coarse + 0.33F * grain);
   // Repairs: darker or lighter fields with sharp edges.
   const float field = value_noise(x * 0.23F, z * 0.31F, world.seed + 120U) +
                       0.25F * value_noise(x * 1.3F, z * 1.1F, world.seed + 121U);

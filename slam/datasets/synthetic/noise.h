@@ -49,10 +49,10 @@ namespace detail {
 
 constexpr std::uint32_t kPrimeX = 0x9e3779b1U, kPrimeY = 0x85ebca77U, kPrimeZ = 0xc2b2ae3dU;
 
-// One round is enough for a lattice value: neighbours differ in the multiplied high bits.
+// One round is enough for a lattice value: the product carries every bit of `h` into the high bits, which are
+// those that count.
 inline float lattice(std::uint32_t h) {
   h = (h ^ (h >> 15)) * 0x2c1b3c6dU;
-  h = (h ^ (h >> 12)) * 0x297a2d39U;
   return static_cast<float>(static_cast<std::int32_t>(h)) * (1.0F / 2147483648.0F);
 }
 

@@ -106,7 +106,11 @@ class StreetBuilder {
 
   World build() {
     for (const Route& road : roads_) {
-      for (const int side : {1, -1}) line_with_houses(road, side);
+      for (const int side : {1, -1}) line_with_houses(road, side, 0.25);
+    }
+    // A second row closes the view through gaps and beyond bends.
+    for (const Route& road : roads_) {
+      for (const int side : {1, -1}) line_with_houses(road, side, 9.0);
     }
     for (const Route& road : roads_) {
       for (const int side : {1, -1}) {
@@ -160,11 +164,11 @@ class StreetBuilder {
     return std::none_of(houses_.begin(), houses_.end(), [&](const Footprint& h) { return h.overlaps(area); });
   }
 
-  void line_with_houses(const Route& road, int side) {
+  void line_with_houses(const Route& road, int side, double nearest) {
     double along = random_.uniform(0.0F, 4.0F);
     while (along < road.length()) {
       const double width = random_.uniform(7.0F, 15.0F), depth = random_.uniform(7.0F, 10.0F);
-      const double setback = random_.chance(0.6F) ? 0.25 : random_.uniform(0.5F, 3.5F);
+      const double setback = nearest + (random_.chance(0.6F) ? 0.0 : random_.uniform(0.2F, 3.2F));
       bool placed = false;
       for (const double scale : {1.0, 0.7, 0.45}) {
         const double w = width * scale, d = std::max(5.0, depth * scale);

@@ -60,9 +60,10 @@ void StreetSequence::render(int i, StreetFrame& frame) {
   left_.render(camera_, pose.T_wc, pose.timestamp, frame.left);
   right_.render(camera_, right, pose.timestamp, frame.right);
 
+  const float exposure = automatic_exposure(frame.left.radiance, pose.timestamp, settings_.seed);
   std::uint32_t image = 0;
   const auto sensor = [&] {
-    return SensorSettings{.exposure = automatic_exposure(pose.timestamp, settings_.seed),
+    return SensorSettings{.exposure = exposure,
                           .noise_seed = hash_of(settings_.seed, static_cast<std::uint32_t>(i), image++)};
   };
   develop_grey(frame.left.radiance, sensor(), frame.left_grey);
