@@ -57,7 +57,7 @@ TEST(SyntheticStreet, CornersAreManyAndSpreadOverTheImage) {
       street.render(i, frame);
       std::vector<cv::KeyPoint> corners;
       cv::FastFeatureDetector::create(20)->detect(frame.left_grey, corners);
-      EXPECT_GT(corners.size(), 800U) << "seed " << seed << " frame " << i;
+      EXPECT_GT(corners.size(), 1000U) << "seed " << seed << " frame " << i;
       int cells[4][8] = {}, filled = 0;
       for (const cv::KeyPoint& corner : corners) {
         ++cells[static_cast<int>(corner.pt.y) * 4 / 188][static_cast<int>(corner.pt.x) * 8 / 620];

@@ -11,7 +11,7 @@ Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a
 
 Colour asphalt(const World& world, const RoadPoint& road, float x, float z, float detail,
                const Eigen::Vector3f& fp) {
-  const float coarse = fractal_noise(x, z, detail, {6.0F, 4, 0.75F}, world.seed + 100U);
+  const float coarse = fractal_noise(x, z, detail, {5.0F, 2, 0.75F}, world.seed + 100U);
   const float grain = fractal_noise(x, z, detail, {0.5F, 7, 1.0F}, world.seed + 110U);
   float tone = 0.12F * std::max(0.2F, 1.0F + 0.12F * coarse + 0.33F * grain);
   // Repairs: darker or lighter fields with sharp edges.
@@ -20,11 +20,15 @@ Colour asphalt(const World& world, const RoadPoint& road, float x, float z, floa
   const float edge = std::max(0.02F, 0.4F * detail);
   tone *= 1.0F - 0.38F * smooth_step(0.50F - edge, 0.50F + edge, field);
   tone *= 1.0F + 0.30F * smooth_step(0.55F - edge, 0.55F + edge, -field);
-  // Cracks along the zero line of a noise.
-  const float crack = std::abs(fractal_noise(x, z, 0.01F, {2.3F, 3, 0.6F}, world.seed + 130U));
-  const float width = 0.012F + 0.5F * detail;
-  tone *= 1.0F - 0.55F * std::min(1.0F, 0.03F / width) * (1.0F - smooth_step(0.0F, 2.0F * width, crack)) *
-                     smooth_step(-0.2F, 0.3F, value_noise(x * 0.15F, z * 0.15F, world.seed + 131U));
+  // Cracks along the zero line of a noise, near enough to be seen.
+  constexpr float kCrack = 0.03F;  // metres
+  if (detail < 4.0F * kCrack) {
+    const float width = 0.012F + 0.5F * detail;
+    const float crack = std::abs(fractal_noise(x, z, 0.1F, {2.3F, 3, 0.6F}, world.seed + 130U));
+    const float cracked = smooth_step(-0.2F, 0.3F, value_noise(x * 0.15F, z * 0.15F, world.seed + 131U));
+    tone *= 1.0F - 0.55F * std::min(1.0F, kCrack / width) * (1.0F - smooth_step(0.0F, 2.0F * width, crack)) *
+                       cracked * band_weight(8.0F * kCrack, detail);
+  }
   // Oil and rubber along the wheel tracks.
   const float in_lane = std::abs(std::abs(road.lateral) - kLaneCentre);
   tone *= 1.0F - 0.14F * (1.0F - smooth_step(0.15F, 0.5F, std::abs(in_lane - 0.75F)));

@@ -13,7 +13,7 @@ Colour wall_colour(const Material& material, float u, float height, float detail
   const float patina = fractal_noise(u, height, detail, {0.6F, 7, 1.0F}, material.seed) +
                        0.7F * value_noise(0.5F * u, 0.5F * height, material.seed + 30U);
   // Rain leaves streaks: noise stretched in height.
-  const float streaks = fractal_noise(u, 0.15F * height, detail, {0.5F, 4, 0.8F}, material.seed + 20U);
+  const float streaks = fractal_noise(u, 0.15F * height, detail, {0.5F, 3, 0.8F}, material.seed + 20U);
   Colour colour = material.colour * (std::max(0.2F, 1.0F + 0.19F * patina + 0.08F * streaks));
   if (material.facade.brick) {
     constexpr float kCourse = 0.075F, kBrick = 0.24F;
