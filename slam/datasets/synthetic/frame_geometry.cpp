@@ -10,7 +10,6 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-// The corners of a box, and below kFarDistance all of it may be seen.
 std::array<Eigen::Vector3f, 8> corners_of(const Eigen::Vector3f& lower, const Eigen::Vector3f& upper) {
   std::array<Eigen::Vector3f, 8> corners;
   for (int i = 0; i < 8; ++i) {

@@ -17,7 +17,7 @@ constexpr int kTileWidth = 32, kTileHeight = 16;  // pixels
 constexpr float kNearDepth = 0.1F;                // metres: nothing nearer is seen
 constexpr float kFarDistance = 260.0F;            // metres: nothing but ground and sky beyond
 
-// An object placed for one frame: local = rotation * camera + origin, for points; rotation for directions.
+// An object placed for one frame: p_local = local_from_camera p_camera + camera_in_local.
 struct FrameObject {
   int object = 0;
   Eigen::Matrix3f local_from_camera;

@@ -7,8 +7,6 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a) * weight; }
-
 Colour asphalt(const World& world, const RoadPoint& road, float x, float z, float detail,
                const Eigen::Vector3f& fp) {
   const float coarse = fractal_noise(x, z, detail, {5.0F, 2, 0.75F}, world.seed + 100U);

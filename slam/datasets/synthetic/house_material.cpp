@@ -7,8 +7,6 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a) * weight; }
-
 Colour wall_colour(const Material& material, float u, float height, float detail) {
   const float patina = fractal_noise(u, height, detail, {0.6F, 7, 1.0F}, material.seed) +
                        0.7F * value_noise(0.5F * u, 0.5F * height, material.seed + 30U);

@@ -6,6 +6,8 @@
 
 namespace penumbra::slam::synthetic {
 
+inline Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a) * weight; }
+
 // A place on a surface as a camera pixel sees it.
 struct SurfacePoint {
   Eigen::Vector3f position;   // in the object's frame (for the ground: the world's), metres

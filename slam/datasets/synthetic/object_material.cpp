@@ -8,8 +8,6 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a) * weight; }
-
 // The two axes in which a surface with that normal is best drawn.
 void drawing_axes(const Eigen::Vector3f& normal, int& a, int& b) {
   const Eigen::Vector3f n = normal.cwiseAbs();
@@ -193,7 +191,7 @@ Appearance plain_appearance(const Material& material, const SurfacePoint& point)
       break;
     }
     case Surface::sign: {
-      const float x = p.x(), y = p.y() - 0.0F, soft = std::max(detail, 0.004F);
+      const float x = p.x(), y = p.y(), soft = std::max(detail, 0.004F);
       if (point.normal.z() > -0.5F) {
         look.albedo = Colour::Constant(0.30F);
         break;

@@ -7,12 +7,6 @@
 
 namespace penumbra::slam::synthetic {
 
-namespace {
-
-Colour blend(const Colour& a, const Colour& b, float weight) { return a + (b - a) * weight; }
-
-}  // namespace
-
 void RayCaster::render(const StereoCamera& camera, const SE3& T_wc, double time, RenderedView& view) {
   geometry_.prepare(world_, camera, T_wc, time);
   pixel_ = static_cast<float>(1.0 / camera.fx);
@@ -107,10 +101,9 @@ void RayCaster::colour(int tile, RenderedView& view) const {
   }
 }
 
-// Share of the sun at a point of the ground; `ambient` is lowered beside cars and other casters.
-float RayCaster::ground_light(const Eigen::Vector3f& world_point, const Eigen::Vector3f& camera_point,
-                              int tile, float& ambient) const {
-  (void)world_point;
+// Share of the sun at a point of the ground (camera frame); `ambient` is lowered beside cars and other
+// casters.
+float RayCaster::ground_light(const Eigen::Vector3f& camera_point, int tile, float& ambient) const {
   float sun = 1.0F;
   for (const int number : geometry_.shadows(tile)) {
     const FrameObject& placed = geometry_.frame_object(number);
@@ -184,7 +177,7 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
     point.normal = normal;
     point.footprint = footprint(world_from_camera, world_from_camera.transpose() * normal);
     look = ground_appearance(world_, point);
-    sun = ground_light(point.position, camera_point, tile, ambient);
+    sun = ground_light(camera_point, tile, ambient);
   } else {
     const FrameBody& in_frame = geometry_.body(surface);
     const FrameObject& placed = geometry_.object(in_frame);

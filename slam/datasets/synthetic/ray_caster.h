@@ -31,8 +31,7 @@ class RayCaster {
   void colour(int tile, RenderedView& view) const;
   bool is_edge(int column, int row) const;
   Colour shade(float x, float y, float depth, std::int32_t surface, int tile) const;
-  float ground_light(const Eigen::Vector3f& world_point, const Eigen::Vector3f& camera_point, int tile,
-                     float& ambient) const;
+  float ground_light(const Eigen::Vector3f& camera_point, int tile, float& ambient) const;
 
   const World& world_;
   FrameGeometry geometry_;
