@@ -58,7 +58,7 @@ void add_synth_command(CLI::App& app) {
       ->type_name("PATH");
   command
       ->add_option("--frames", sequence.frames, "Frames at 10 per second; default 60, or all of a pose file")
-      ->check(CLI::Range(1, 100000))
+      ->check(CLI::Range(1, 20000))
       ->type_name("N");
   command->add_option("--size", options->size, "Image size in pixels")
       ->capture_default_str()

@@ -8,6 +8,7 @@
 #include <opencv2/features2d.hpp>
 
 #include "nn/base/error.h"
+#include "slam/datasets/synthetic/noise.h"
 #include "tests/slam/synthetic_support.h"
 #include "tests/support/test_data.h"
 
@@ -172,6 +173,29 @@ TEST(SyntheticStreet, BadPoseFilesAreInputErrors) {
   EXPECT_THROW(load(identity + "1 0 0 0 0 1 0 0 0 0 1 900\n"), InputError);
   std::ofstream(folder / "poses.txt") << identity;
   EXPECT_THROW(load_drive(folder / "poses.txt", 2), UsageError);
+}
+
+TEST(SyntheticStreet, PathsThatNoCarDrivesStillRender) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder / "poses.txt").string();
+  const auto render = [&] {
+    StreetSequence street({.path = path, .size = {64, 48}});
+    StreetFrame frame;
+    for (int i = 0; i < street.size(); i += 7) street.render(i, frame);
+    return street.size();
+  };
+  std::ofstream backwards(path);  // looks against its motion
+  for (int i = 0; i < 50; ++i) backwards << "-1 0 0 0 0 1 0 0 0 0 -1 " << i << "\n";
+  backwards.close();
+  EXPECT_EQ(render(), 50);
+  std::ofstream to_and_fro(path);  // on one spot, looking up, then jumping about
+  RandomSequence random(7);
+  for (int i = 0; i < 50; ++i) {
+    to_and_fro << "1 0 0 " << random.uniform(-5.0F, 5.0F) << " 0 0 -1 0 0 1 0 " << random.uniform(-5.0F, 5.0F)
+               << "\n";
+  }
+  to_and_fro.close();
+  EXPECT_EQ(render(), 50);
 }
 
 TEST(SyntheticStreet, SettingsThatMakeNoSenseAreUsageErrors) {

@@ -242,7 +242,9 @@ Drive load_drive(const std::filesystem::path& file, int frames) {
   double arc = kRouteMargin;
   const std::size_t count = frames == 0 ? poses.size() : static_cast<std::size_t>(frames);
   for (std::size_t i = 0; i < count; ++i) {
-    arc = drive.route.nearest_arc(driven[i].position, arc - 3.0, arc + 8.0);
+    // Only near the frame before: elsewhere the route may cross or follow itself.
+    const double step = i == 0 ? 0.0 : (driven[i].position - driven[i - 1].position).norm();
+    arc = drive.route.nearest_arc(driven[i].position, arc - step - 3.0, arc + step + 3.0);
     add_frame(drive, driven[i], arc);
   }
   return drive;

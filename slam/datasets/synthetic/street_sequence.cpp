@@ -9,7 +9,7 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-constexpr int kDefaultFrames = 60, kMaxFrames = 100000;
+constexpr int kDefaultFrames = 60, kMaxFrames = 20000;
 constexpr int kMinSide = 32, kMaxSide = 8192;  // pixels
 
 SequenceSettings checked(SequenceSettings settings) {
