@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/compute_options.h"
 #include "apps/overlay.h"
 #include "nn/base/error.h"
 #include "nn/io/coco_rle.h"
@@ -141,6 +142,8 @@ void add_segment_command(CLI::App& app) {
       ->check(CLI::Range(1, 1000));
   command->add_flag("!--no-attention", options->network.attention,
                     "leave the weights' attention out: the baseline network");
+  add_threads_option(command);
+  add_isa_option(command);
   command->footer(
       "Examples:\n"
       "  penumbra segment street.png --weights maskrcnn.safetensors --out found\n"
