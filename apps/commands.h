@@ -4,4 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-namespace penumbra::apps {}  // namespace penumbra::apps
+namespace penumbra::apps {
+
+void add_eval_command(CLI::App& app);
+
+}  // namespace penumbra::apps

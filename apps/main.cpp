@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Run `penumbra COMMAND --help` for a command's options and examples.");
 
+  penumbra::apps::add_eval_command(app);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,19 @@
+// Whole files in and out of memory, with errors that name the file.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace penumbra::nn {
+
+// The bytes of a regular file (or a link to one). Throws InputError where there is none, where it is a folder
+// or a device (which could block or never end), where it cannot be read, or where it holds 2 GiB or
+// more; `expected` names what was wanted in the message, such as "a PNG or JPEG image".
+std::string read_file(const std::filesystem::path& path, std::string_view expected);
+
+// Writes `bytes` under a temporary name in the same folder and renames it: a reader sees the old file or the
+// whole new one, never a part. Throws Error where the folder is missing, not writable or full.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace penumbra::nn

@@ -1,0 +1,171 @@
+#include "nn/io/image_container.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "nn/base/error.h"
+
+namespace penumbra::nn {
+
+namespace {
+
+constexpr std::string_view kPngSignature("\x89PNG\r\n\x1a\n", 8);
+constexpr std::size_t kChunkFrame = 12;  // length, type and CRC around a chunk's data
+// Deflate cannot shrink data by more than this factor, so fewer bytes cannot hold the picture.
+constexpr std::uint64_t kMaxDeflateRatio = 1032;
+
+std::uint32_t big_endian(std::string_view bytes, std::size_t offset, int size) {
+  std::uint32_t value = 0;
+  for (int i = 0; i < size; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes[offset + i]);
+  return value;
+}
+
+// CRC-32 (polynomial 0xEDB88320) eight bytes a step: table[k][b] is the CRC of byte b followed by k zeros.
+using CrcTables = std::array<std::array<std::uint32_t, 256>, 8>;
+constexpr CrcTables make_crc_tables() {
+  CrcTables tables{};
+  for (std::uint32_t byte = 0; byte < 256; ++byte) {
+    std::uint32_t crc = byte;
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
+    tables[0][byte] = crc;
+  }
+  for (std::size_t k = 1; k < tables.size(); ++k) {
+    for (std::size_t byte = 0; byte < 256; ++byte) {
+      const std::uint32_t previous = tables[k - 1][byte];
+      tables[k][byte] = previous >> 8 ^ tables[0][previous & 0xFFU];
+    }
+  }
+  return tables;
+}
+
+std::uint32_t crc32(std::string_view bytes) {
+  static constexpr CrcTables kTables = make_crc_tables();
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(bytes[i]); };
+  std::uint32_t crc = 0xFFFFFFFFU;
+  std::size_t i = 0;
+  for (; i + 8 <= bytes.size(); i += 8) {
+    std::uint32_t next = 0;
+    for (std::size_t k = 0; k < 4; ++k) next ^= kTables[7 - k][(crc >> (8 * k) & 0xFFU) ^ byte(i + k)];
+    for (std::size_t k = 4; k < 8; ++k) next ^= kTables[7 - k][byte(i + k)];
+    crc = next;
+  }
+  for (; i < bytes.size(); ++i) crc = crc >> 8 ^ kTables[0][(crc & 0xFFU) ^ byte(i)];
+  return ~crc;
+}
+
+ImageSize checked_size(std::uint64_t width, std::uint64_t height, std::string_view place) {
+  if (width == 0 || height == 0 || width > static_cast<std::uint64_t>(kMaxImagePixels) ||
+      height > static_cast<std::uint64_t>(kMaxImagePixels) ||
+      width * height > static_cast<std::uint64_t>(kMaxImagePixels)) {
+    throw InputError(place, fmt::format("an image of 1 to {} pixels", kMaxImagePixels),
+                     fmt::format("a header that claims {} x {} pixels", width, height));
+  }
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+[[noreturn]] void throw_torn(std::string_view format, std::size_t size, std::string_view place) {
+  throw InputError(place, fmt::format("a complete {} image", format),
+                   fmt::format("a torn file that ends after {} bytes", size));
+}
+
+}  // namespace
+
+bool looks_like_png(std::string_view bytes) { return bytes.substr(0, kPngSignature.size()) == kPngSignature; }
+
+bool looks_like_jpeg(std::string_view bytes) { return bytes.substr(0, 3) == "\xFF\xD8\xFF"; }
+
+ImageSize check_png(std::string& bytes, std::string_view place) {
+  const std::string_view view = bytes;
+  ImageSize size;
+  std::uint64_t bits_per_pixel = 0, pixel_bytes = 0;
+  std::size_t kept = kPngSignature.size();  // end of the chunks kept, moved together at the front
+  for (std::size_t offset = kPngSignature.size();;) {
+    if (view.size() - offset < kChunkFrame) throw_torn("PNG", view.size(), place);
+    const std::size_t length = big_endian(view, offset, 4);
+    if (length > view.size() - offset - kChunkFrame) throw_torn("PNG", view.size(), place);
+    const std::string type(view.substr(offset + 4, 4));
+    if (crc32(view.substr(offset + 4, 4 + length)) != big_endian(view, offset + 8 + length, 4)) {
+      throw InputError(fmt::format("{}, byte {}", place, offset), "a PNG chunk with the right checksum",
+                       "a damaged chunk");
+    }
+    const bool is_first = offset == kPngSignature.size();
+    if (is_first != (type == "IHDR") || (is_first && length != 13)) {
+      throw InputError(fmt::format("{}, byte {}", place, offset), "one PNG header, before all else",
+                       "a chunk out of place");
+    }
+    if (is_first) {
+      size = checked_size(big_endian(view, offset + 8, 4), big_endian(view, offset + 12, 4), place);
+      static constexpr std::array<int, 7> kChannels = {1, 0, 3, 1, 2, 0, 4};  // by colour type; 0: undefined
+      const std::uint32_t depth = big_endian(view, offset + 16, 1), colour = big_endian(view, offset + 17, 1);
+      bits_per_pixel = colour < kChannels.size() ? depth * static_cast<std::uint64_t>(kChannels[colour]) : 0;
+      if (bits_per_pixel == 0 || depth > 16) {
+        throw InputError(place, "a PNG of a known colour type and depth",
+                         fmt::format("colour type {}, {} bits", colour, depth));
+      }
+    }
+    if (type == "IDAT") pixel_bytes += length;
+    // tRNS is left out as well: transparency is not decoded.
+    if (type == "IHDR" || type == "PLTE" || type == "IDAT" || type == "IEND") {
+      if (kept != offset) {
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), kChunkFrame + length,
+                    bytes.begin() + static_cast<std::ptrdiff_t>(kept));
+      }
+      kept += kChunkFrame + length;
+    }
+    offset += kChunkFrame + length;
+    if (type == "IEND") break;
+  }
+  bytes.resize(kept);
+  const std::uint64_t raw_bytes =
+      bits_per_pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) / 8;
+  if (raw_bytes > kMaxDeflateRatio * pixel_bytes) {
+    throw InputError(place, fmt::format("pixels of a {} x {} PNG", size.width, size.height),
+                     fmt::format("only {} compressed bytes", pixel_bytes));
+  }
+  return size;
+}
+
+ImageSize check_jpeg(std::string_view bytes, std::string_view place) {
+  ImageSize size;
+  bool has_scan = false;
+  std::size_t offset = 2;
+  while (true) {
+    // Between segments, and after the entropy-coded rows of a scan, stands 0xFF and a code that is not 0
+    // (an escaped 0xFF of the rows), not 0xFF (filling) and not a marker without a segment (TEM 0x01,
+    // restarts 0xD0..0xD7).
+    const std::size_t found = bytes.find('\xFF', offset);
+    if (found == std::string_view::npos || found + 1 >= bytes.size()) throw_torn("JPEG", bytes.size(), place);
+    const std::uint32_t code = big_endian(bytes, found + 1, 1);
+    if (code <= 0x01 || (code >= 0xD0 && code <= 0xD7)) {
+      offset = found + 2;
+      continue;
+    }
+    if (code == 0xFF) {
+      offset = found + 1;
+      continue;
+    }
+    if (code == 0xD9) break;
+    if (bytes.size() - found < 4) throw_torn("JPEG", bytes.size(), place);
+    const std::size_t length = big_endian(bytes, found + 2, 2);
+    if (length < 2) {
+      throw InputError(fmt::format("{}, byte {}", place, found), "a JPEG segment of 2 or more bytes",
+                       fmt::format("{}", length));
+    }
+    if (length > bytes.size() - found - 2) throw_torn("JPEG", bytes.size(), place);
+    // Start of frame: 0xC0..0xCF but for the tables DHT (C4), JPG (C8) and DAC (CC).
+    const bool is_frame = code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
+    if (is_frame && length >= 8) {
+      size = checked_size(big_endian(bytes, found + 7, 2), big_endian(bytes, found + 5, 2), place);
+    }
+    if (code == 0xDA) has_scan = true;
+    offset = found + 2 + length;
+  }
+  if (!has_scan || size.width == 0) {
+    throw InputError(place, "a JPEG with a frame and a scan", "a file without one");
+  }
+  return size;
+}
+
+}  // namespace penumbra::nn

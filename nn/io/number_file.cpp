@@ -1,0 +1,80 @@
+#include "nn/io/number_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "nn/base/error.h"
+#include "nn/io/file.h"
+
+namespace penumbra::nn {
+
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\v\f";
+constexpr std::size_t kLongestQuote = 40;  // characters of a bad word that a message repeats
+
+double parse_number(std::string_view word, std::string_view place) {
+  std::string_view digits = word;
+  if (digits.size() > 1 && digits.front() == '+') digits.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  // from_chars refuses what underflows; strtod rounds it to (nearly) zero, as every other reader does.
+  if (error == std::errc::result_out_of_range) value = std::strtod(std::string(digits).c_str(), nullptr);
+  const bool is_number = error != std::errc::invalid_argument && end == digits.data() + digits.size();
+  if (!is_number || !std::isfinite(value)) {
+    throw InputError(place, is_number ? "a finite number" : "a number",
+                     fmt::format("'{}'", word.substr(0, kLongestQuote)));
+  }
+  return value;
+}
+
+}  // namespace
+
+std::vector<double> parse_numbers(std::string_view text, std::string_view place) {
+  std::vector<double> values;
+  while (true) {
+    const std::size_t start = text.find_first_not_of(kBlank);
+    if (start == std::string_view::npos) return values;
+    text.remove_prefix(start);
+    const std::size_t length = std::min(text.find_first_of(kBlank), text.size());
+    values.push_back(parse_number(text.substr(0, length), place));
+    text.remove_prefix(length);
+  }
+}
+
+std::optional<NumberLine> NumberFileReader::next() {
+  while (start_ < text_.size()) {
+    const std::size_t end = std::min(text_.find('\n', start_), text_.size());
+    const std::string_view content = std::string_view(text_).substr(start_, end - start_);
+    start_ = end + 1;
+    ++line_;
+    const std::size_t first = content.find_first_not_of(kBlank);
+    if (first == std::string_view::npos || content[first] == '#') continue;
+    return NumberLine{line_, parse_numbers(content, place())};
+  }
+  return std::nullopt;
+}
+
+NumberFileReader::NumberFileReader(const std::filesystem::path& path, std::string_view record)
+    : path_(path.string()), text_(read_file(path, fmt::format("a text file with {} in each line", record))) {}
+
+std::string NumberFileReader::place() const { return fmt::format("{}:{}", path_, line_); }
+
+std::vector<NumberLine> read_number_file(const std::filesystem::path& path, int columns,
+                                         std::string_view record) {
+  NumberFileReader reader(path, record);
+  std::vector<NumberLine> lines;
+  while (std::optional<NumberLine> numbers = reader.next()) {
+    if (numbers->values.size() != static_cast<std::size_t>(columns)) {
+      throw InputError(reader.place(), fmt::format("{} ({} numbers)", record, columns),
+                       fmt::format("{} numbers", numbers->values.size()));
+    }
+    lines.push_back(std::move(*numbers));
+  }
+  return lines;
+}
+
+}  // namespace penumbra::nn

@@ -1,0 +1,72 @@
+#include "nn/models/box_head.h"
+
+#include "nn/layers/activations.h"
+#include "nn/layers/box_coder.h"
+#include "nn/layers/nms.h"
+
+namespace penumbra::nn {
+
+namespace {
+
+constexpr int kHidden = 1024;  // width of the two fully connected layers
+constexpr BoxCoderWeights kBoxCoder{10.0F, 10.0F, 5.0F, 5.0F};
+
+// Channel c of image n of an output [N, C, 1, 1].
+float output_at(const FeatureMap& map, int n, int c) { return map.pixel(n, c / kBlock, 0, 0)[c % kBlock]; }
+
+}  // namespace
+
+BoxHead::BoxHead(WeightReader& weights, const std::string& prefix, const BoxHeadConfig& config)
+    : config_(config) {
+  const Shape logits = weights.shape(prefix + "box_predictor.cls_score.weight");
+  classes_ =
+      logits.empty() ? 91 : static_cast<int>(logits.front());  // where missing, COCO's, for the error's sake
+  const int size = config.roi_align.size;
+  const auto layer = [&](const std::string& name, int outputs, int channels, int extent,
+                         Activation activation) {
+    return linear(weights.tensor(prefix + name + ".weight", {outputs, channels * extent * extent}),
+                  weights.vector(prefix + name + ".bias", outputs), channels, extent, extent, activation);
+  };
+  fc6_ = layer("box_head.fc6", kHidden, kPyramidChannels, size, Activation::relu);
+  fc7_ = layer("box_head.fc7", kHidden, kHidden, 1, Activation::relu);
+  class_logits_ = layer("box_predictor.cls_score", classes_, kHidden, 1, Activation::none);
+  box_deltas_ = layer("box_predictor.bbox_pred", classes_ * 4, kHidden, 1, Activation::none);
+}
+
+std::vector<ScoredBox> BoxHead::operator()(std::span<const PyramidLevel> pyramid,
+                                           std::span<const Box> proposals, const ImageExtent& image,
+                                           Arena& arena) const {
+  if (proposals.empty()) return {};
+  const FeatureMap features =
+      fc7_(fc6_(multi_scale_roi_align(pyramid, proposals, config_.roi_align, arena), arena), arena);
+  const FeatureMap logits = class_logits_(features, arena), deltas = box_deltas_(features, arena);
+
+  std::vector<Box> boxes;
+  std::vector<float> scores;
+  std::vector<int> labels;
+  std::vector<float> probabilities(static_cast<std::size_t>(classes_));
+  for (int n = 0; n < static_cast<int>(proposals.size()); ++n) {
+    for (int c = 0; c < classes_; ++c) probabilities[static_cast<std::size_t>(c)] = output_at(logits, n, c);
+    softmax(probabilities);
+    for (int c = 1; c < classes_; ++c) {
+      const float score = probabilities[static_cast<std::size_t>(c)];
+      if (!(score > config_.score_threshold)) continue;  // also drops a NaN
+      const Box box = clip(decode_box(proposals[static_cast<std::size_t>(n)], output_at(deltas, n, 4 * c),
+                                      output_at(deltas, n, 4 * c + 1), output_at(deltas, n, 4 * c + 2),
+                                      output_at(deltas, n, 4 * c + 3), kBoxCoder),
+                           static_cast<float>(image.width), static_cast<float>(image.height));
+      if (!(box.width() >= config_.min_side && box.height() >= config_.min_side)) continue;
+      boxes.push_back(box);
+      scores.push_back(score);
+      labels.push_back(c);
+    }
+  }
+  std::vector<ScoredBox> detections;
+  for (const int i : batched_nms(boxes, scores, labels, config_.nms_threshold, config_.max_detections)) {
+    const auto index = static_cast<std::size_t>(i);
+    detections.push_back({boxes[index], scores[index], labels[index]});
+  }
+  return detections;
+}
+
+}  // namespace penumbra::nn

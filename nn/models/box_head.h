@@ -1,0 +1,54 @@
+// Box head: names each proposal and refines its box.
+//
+//   f = relu(W_7 relu(W_6 flatten(RoIAlign_7x7(P, proposal))));  class logits = W_c f, box deltas (4 a class)
+//   = W_b f scores = softmax(logits); boxes decoded with weights (10, 10, 5, 5) and clipped to the image;
+//   keep scores > 0.05 of classes >= 1 (0 is background) with sides of 0.01 or more, NMS per class at 0.5,
+//   best 100
+//
+// Source: Girshick 2015, Fast R-CNN; torchvision.models.detection.roi_heads.RoIHeads.postprocess_detections.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "nn/layers/box.h"
+#include "nn/layers/conv2d.h"
+#include "nn/layers/roi_align.h"
+#include "nn/models/rpn.h"
+
+namespace penumbra::nn {
+
+struct BoxHeadConfig {
+  RoiAlignOptions roi_align{7, 2};
+  float score_threshold = 0.05F;
+  float nms_threshold = 0.5F;
+  int max_detections = 100;
+  float min_side = 1e-2F;  // pixels
+};
+
+struct ScoredBox {
+  Box box;  // pixels of the network's input
+  float score = 0.0F;
+  int label = 0;  // class, 1..classes - 1
+};
+
+class BoxHead {
+ public:
+  BoxHead() = default;
+  // The weights decide the number of classes, background included.
+  BoxHead(WeightReader& weights, const std::string& prefix, const BoxHeadConfig& config);
+
+  int classes() const { return classes_; }
+
+  // Detections in order of falling score.
+  std::vector<ScoredBox> operator()(std::span<const PyramidLevel> pyramid, std::span<const Box> proposals,
+                                    const ImageExtent& image, Arena& arena) const;
+
+ private:
+  BoxHeadConfig config_;
+  int classes_ = 0;
+  Conv2d fc6_, fc7_, class_logits_, box_deltas_;
+};
+
+}  // namespace penumbra::nn

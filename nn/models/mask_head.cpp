@@ -1,0 +1,60 @@
+#include "nn/models/mask_head.h"
+
+#include <fmt/format.h>
+
+#include "nn/layers/activations.h"
+
+namespace penumbra::nn {
+
+MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int classes,
+                   const MaskHeadConfig& config)
+    : config_(config) {
+  Conv2dOptions options;
+  options.padding = 1;
+  options.activation = Activation::relu;
+  for (std::size_t i = 0; i < convolutions_.size(); ++i) {
+    const std::string name = fmt::format("{}mask_head.{}.0.", prefix, i);
+    convolutions_[i] = Conv2d(weights.tensor(name + "weight", {kPyramidChannels, kPyramidChannels, 3, 3}),
+                              weights.vector(name + "bias", kPyramidChannels), options);
+  }
+  const std::string predictor = prefix + "mask_predictor.";
+  upsample_ = ConvTranspose2d(
+      weights.tensor(predictor + "conv5_mask.weight", {kPyramidChannels, kPyramidChannels, 2, 2}),
+      weights.vector(predictor + "conv5_mask.bias", kPyramidChannels), Activation::relu);
+  logit_weight_ = weights.tensor(predictor + "mask_fcn_logits.weight", {classes, kPyramidChannels, 1, 1});
+  logit_bias_ = weights.vector(predictor + "mask_fcn_logits.bias", classes);
+}
+
+std::vector<float> MaskHead::operator()(std::span<const PyramidLevel> pyramid,
+                                        std::span<const ScoredBox> detections, Arena& arena) const {
+  if (detections.empty()) return {};
+  std::vector<Box> regions;
+  for (const ScoredBox& detection : detections) regions.push_back(detection.box);
+  FeatureMap features = multi_scale_roi_align(pyramid, regions, config_.roi_align, arena, 1);
+  for (const Conv2d& convolution : convolutions_) features = convolution(features, arena, 1);
+  features = upsample_(features, arena);
+
+  const int size = mask_size();
+  std::vector<float> probabilities(detections.size() * static_cast<std::size_t>(size * size));
+#pragma omp parallel for
+  for (std::size_t d = 0; d < detections.size(); ++d) {
+    const auto label = static_cast<std::size_t>(detections[d].label);
+    const float* weight = logit_weight_.values.data() + label * kPyramidChannels;
+    float* out = probabilities.data() + d * static_cast<std::size_t>(size * size);
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) {
+        float lanes[kBlock] = {};
+        for (int b = 0; b < features.blocks(); ++b) {
+          const float* f = features.pixel(static_cast<int>(d), b, y, x);
+          for (int c = 0; c < kBlock; ++c) lanes[c] += weight[b * kBlock + c] * f[c];
+        }
+        float logit = logit_bias_[label];
+        for (const float lane : lanes) logit += lane;
+        *out++ = sigmoid(logit);
+      }
+    }
+  }
+  return probabilities;
+}
+
+}  // namespace penumbra::nn

@@ -1,0 +1,45 @@
+// Mask head: a 28 x 28 probability map for each detection, of its own class only.
+//
+//   m = relu(ConvTranspose2x2(f)),  f = four times relu(Conv3x3) of RoIAlign_14x14(P, box)
+//   probabilities = sigmoid(w_label . m + b_label)
+//
+// The last layer has one output a class; only the detection's class is computed: 256 multiply-adds a pixel,
+// not 256 times the classes. Source: He et al. 2017, Mask R-CNN, figure 4 right;
+// torchvision.models.detection.mask_rcnn.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "nn/layers/conv2d.h"
+#include "nn/layers/conv_transpose2d.h"
+#include "nn/models/box_head.h"
+
+namespace penumbra::nn {
+
+struct MaskHeadConfig {
+  RoiAlignOptions roi_align{14, 2};
+};
+
+class MaskHead {
+ public:
+  MaskHead() = default;
+  MaskHead(WeightReader& weights, const std::string& prefix, int classes, const MaskHeadConfig& config);
+
+  int mask_size() const { return 2 * config_.roi_align.size; }  // 28
+
+  // For every detection mask_size^2 probabilities, row-major, one after the other.
+  std::vector<float> operator()(std::span<const PyramidLevel> pyramid, std::span<const ScoredBox> detections,
+                                Arena& arena) const;
+
+ private:
+  MaskHeadConfig config_;
+  std::array<Conv2d, 4> convolutions_;
+  ConvTranspose2d upsample_;
+  Tensor logit_weight_;            // [classes, 256, 1, 1]
+  std::vector<float> logit_bias_;  // [classes]
+};
+
+}  // namespace penumbra::nn

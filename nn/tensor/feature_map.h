@@ -1,0 +1,63 @@
+// A feature map, the engine's activation: N images of C channels and H x W pixels, channel-blocked.
+//
+// Layout: [N][ceil(C / block)][H + 2 border][W + 2 border][block], f32. The channels of a block lie side by
+// side, so a vector register holds channels of one pixel, and a convolution's taps are constant offsets. The
+// border around the pixels holds zeros: it is the zero padding of the convolution that reads the map.
+//   block 16: activations (oneDNN calls this nChw16c)     block 4: RGB images, the fourth channel 0
+// Channels beyond C in the last block are written by every layer but read by none.
+#pragma once
+
+#include <cstddef>
+
+#include "nn/tensor/arena.h"
+#include "nn/tensor/tensor.h"
+
+namespace penumbra::nn {
+
+constexpr int kBlock = 16;      // channels of an activation's block
+constexpr int kImageBlock = 4;  // channels of an image's block
+
+class FeatureMap {
+ public:
+  FeatureMap() = default;
+  // Pixels are uninitialised, the border is zero.
+  FeatureMap(Arena& arena, int images, int channels, int height, int width, int border, int block = kBlock);
+
+  int images() const { return images_; }
+  int channels() const { return channels_; }
+  int height() const { return height_; }
+  int width() const { return width_; }
+  int border() const { return border_; }
+  int block() const { return block_; }
+  int blocks() const { return (channels_ + block_ - 1) / block_; }
+
+  // Distances in floats.
+  std::ptrdiff_t row_stride() const { return static_cast<std::ptrdiff_t>(width_ + 2 * border_) * block_; }
+  std::ptrdiff_t block_stride() const { return row_stride() * (height_ + 2 * border_); }
+  std::ptrdiff_t image_stride() const { return block_stride() * blocks(); }
+
+  // First channel of block `b` of pixel (y, x) of image `n`; y and x may reach into the border.
+  float* pixel(int n, int b, int y, int x) {
+    return data_.data() + n * image_stride() + b * block_stride() + (y + border_) * row_stride() +
+           static_cast<std::ptrdiff_t>(x + border_) * block_;
+  }
+  const float* pixel(int n, int b, int y, int x) const {
+    return const_cast<FeatureMap*>(this)->pixel(n, b, y, x);
+  }
+
+  // The same pixels for fewer images: the first `count` of them.
+  void keep_images(int count) { images_ = count; }
+
+ private:
+  int images_ = 0, channels_ = 0, height_ = 0, width_ = 0, border_ = 0, block_ = kBlock;
+  ArenaBuffer data_;
+};
+
+// Between the two layouts: [N, C, H, W] to a feature map and back.
+FeatureMap to_feature_map(const Tensor& tensor, Arena& arena, int border = 0, int block = kBlock);
+Tensor to_tensor(const FeatureMap& map);
+
+// A copy with another border; what a convolution does whose input's border is narrower than its padding.
+FeatureMap with_border(const FeatureMap& map, Arena& arena, int border);
+
+}  // namespace penumbra::nn
