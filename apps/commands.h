@@ -7,5 +7,6 @@
 namespace penumbra::apps {
 
 void add_eval_command(CLI::App& app);
+void add_slam_command(CLI::App& app);
 
 }  // namespace penumbra::apps

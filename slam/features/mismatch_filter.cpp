@@ -110,7 +110,6 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs, con
     const double q1 = quantile(finite, 0.25), q3 = quantile(finite, 0.75);
     const double reach = settings.fence * (q3 - q1);
     const double from = std::max(d_min, q1 - reach), to = std::min(d_max, q3 + reach);
-    // A hair wider than the range, so that its upper end is inside the first gamma bins.
     histogram = make_histogram(distances, from, (to - from) / gamma, gamma);
     keep_bin = dense_bins(histogram, settings.density_share);
     // The bin after the range holds what lies beyond its upper end.

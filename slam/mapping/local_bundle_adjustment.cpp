@@ -4,6 +4,7 @@
 #include <map>
 
 #include "slam/mapping/bundle_adjustment.h"
+#include "slam/features/measurement.h"
 
 namespace penumbra::slam {
 

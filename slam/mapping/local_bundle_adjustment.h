@@ -26,13 +26,4 @@ struct LocalBundleReport {
 LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
                                       const LocalBundleSettings& settings);
 
-// The measurement of `feature` of a frame, weighted by its level.
-inline PixelMeasurement measurement_of(const FrameFeatures& features, int feature,
-                                       const std::vector<double>& scales) {
-  const Keypoint& k = features.keypoint(feature);
-  const double sigma = scales[static_cast<std::size_t>(k.level)];
-  const float u_right = features.u_right[static_cast<std::size_t>(feature)];
-  return {{k.u, k.v, u_right}, 1.0 / (sigma * sigma), u_right >= 0.0F};
-}
-
 }  // namespace penumbra::slam

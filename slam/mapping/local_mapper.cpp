@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "slam/map/projection.h"
+#include "slam/features/measurement.h"
 
 namespace penumbra::slam {
 
@@ -10,6 +11,14 @@ namespace {
 
 // A point is on probation until this many keyframes have followed the one that made it.
 constexpr int kProbation = 3;
+// Views that a point needs to stay, where a stereo view counts twice.
+constexpr int kLeastWeight = 4;
+
+int weight_of(const MapPoint& point) {
+  int weight = 0;
+  for (const Observation& o : point.observations) weight += o.keyframe->features->has_stereo(o.feature) ? 2 : 1;
+  return weight;
+}
 
 }  // namespace
 
@@ -44,8 +53,8 @@ void LocalMapper::cull_recent_points(const KeyFrame& newest) {
     if (age >= kProbation && first_unproven_ <= point->id) first_unproven_ = point->id + 1;
     if (point->erased) continue;
     const bool seldom_found = point->found_ratio() < settings_.least_found_ratio;
-    const bool seldom_seen = age >= 2 && point->observations.size() < 3;
-    if (seldom_found || (age >= kProbation - 1 && seldom_seen)) map_.erase_point(point);
+    const bool seldom_seen = age >= kProbation - 1 && weight_of(*point) < kLeastWeight;
+    if (seldom_found || seldom_seen) map_.erase_point(point);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "slam/geometry/triangulation.h"
-#include "slam/mapping/local_bundle_adjustment.h"
+#include "slam/features/measurement.h"
 
 namespace penumbra::slam {
 
