@@ -22,7 +22,8 @@ TrackingReport Tracker::track(Frame& frame) {
   const SE3 predicted = motion_.predict(last_.T_cw, last_.timestamp, frame.timestamp);
   frame.T_cw = predicted;
   Located located;
-  if (state_ == TrackingState::tracking) {
+  // Without a known motion the search around the last pose would find far points only, which fit any small motion.
+  if (state_ == TrackingState::tracking && motion_.known()) {
     located = locate_from_last_frame(frame, settings_.search_radius, report);
     if (!located.success) {
       frame.T_cw = predicted;
@@ -30,11 +31,12 @@ TrackingReport Tracker::track(Frame& frame) {
     }
   }
   report.frame_inliers = located.inliers;
+  if (getenv("DBG")) fprintf(stderr,"%d matches %d kept %d inl %d\n",frame.index,report.frame_matches,report.filter.kept,report.frame_inliers);
   if (located.success) located = locate_in_local_map(frame);
   if (!located.success) {
     located = locate_from_keyframes(frame);
     if (located.success) located = locate_in_local_map(frame);
-    report.recovered = located.success;
+    report.recovered = located.success && state_ == TrackingState::lost;
   }
   report.map_inliers = located.inliers;
 
