@@ -18,7 +18,7 @@ constexpr std::size_t kLongestQuote = 40;  // characters of a bad word that a me
 
 double parse_number(std::string_view word, std::string_view place) {
   std::string_view digits = word;
-  if (digits.size() > 1 && digits.front() == '+') digits.remove_prefix(1);
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   // from_chars refuses what underflows; strtod rounds it to (nearly) zero, as every other reader does.

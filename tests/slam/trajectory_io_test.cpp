@@ -1,0 +1,113 @@
+#include "slam/geometry/trajectory_io.h"
+
+#include <gtest/gtest.h>
+
+#include "nn/base/error.h"
+#include "nn/io/file.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/test_data.h"
+#include "tests/support/trajectories.h"
+
+namespace penumbra::slam {
+namespace {
+
+using test::expect_error;
+
+class TrajectoryIo : public testing::Test {
+ protected:
+  std::filesystem::path file(const std::string& text) const {
+    nn::write_file(folder_ / "poses.txt", text);
+    return folder_ / "poses.txt";
+  }
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(TrajectoryIo, KittiPosesComeBackExactly) {
+  const Trajectory trajectory = test::winding_trajectory(50);
+  write_kitti_poses(folder_ / "a.txt", trajectory);
+  const std::vector<SE3> poses = read_kitti_poses(folder_ / "a.txt");
+  ASSERT_EQ(poses.size(), trajectory.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(poses[i].rotation, trajectory[i].T_wc.rotation);
+    EXPECT_EQ(poses[i].translation, trajectory[i].T_wc.translation);
+  }
+  write_kitti_poses(folder_ / "b.txt", poses);
+  EXPECT_EQ(nn::read_file(folder_ / "a.txt", ""), nn::read_file(folder_ / "b.txt", ""));
+}
+
+TEST_F(TrajectoryIo, KittiRotationsKeepTheirRounding) {
+  const std::vector<SE3> poses = read_kitti_poses(file("0.9999 0 0 1 0 1 0 2 0 0 1 3\n"));
+  EXPECT_EQ(poses[0].rotation(0, 0), 0.9999);
+  EXPECT_EQ(poses[0].translation, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST_F(TrajectoryIo, TumTrajectoryComesBack) {
+  Trajectory trajectory = test::winding_trajectory(50);
+  for (TimedPose& pose : trajectory) pose.timestamp += 1311868164.363181;
+  write_tum_trajectory(folder_ / "a.txt", trajectory);
+  const Trajectory read = read_tum_trajectory(folder_ / "a.txt");
+  ASSERT_EQ(read.size(), trajectory.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_NEAR(read[i].timestamp, trajectory[i].timestamp, 1e-9 + 3e-7);
+    EXPECT_LT((read[i].T_wc.rotation - trajectory[i].T_wc.rotation).norm(), 1e-12);
+    EXPECT_EQ(read[i].T_wc.translation, trajectory[i].T_wc.translation);
+  }
+}
+
+TEST_F(TrajectoryIo, TumQuaternionsAreScalarLast) {
+  const Trajectory read = read_tum_trajectory(file("# comment\n1.5 1 2 3 0 0 0.70710678 0.70710678\n"));
+  ASSERT_EQ(read.size(), 1U);
+  EXPECT_EQ(read[0].timestamp, 1.5);
+  EXPECT_LT((read[0].T_wc * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
+}
+
+TEST_F(TrajectoryIo, WrongColumnsAndNanAreRefusedWithTheirLine) {
+  expect_error<InputError>([&] { read_kitti_poses(file("1 0 0 0 0 1 0 0 0 0 1\n")); },
+                           {"poses.txt:1", "12 numbers", "11 numbers"});
+  expect_error<InputError>([&] { read_tum_trajectory(file("# x\n0 0 0 0 0 0 0 1\n1 0 0 0 0 0 1\n")); },
+                           {"poses.txt:3", "8 numbers", "7 numbers"});
+  expect_error<InputError>([&] { read_kitti_poses(file("1 0 0 nan 0 1 0 0 0 0 1 0\n")); },
+                           {"poses.txt:1", "finite", "nan"});
+  expect_error<InputError>([&] { read_tum_trajectory(file("nan 0 0 0 0 0 0 1\n")); }, {"poses.txt:1", "nan"});
+}
+
+TEST_F(TrajectoryIo, WhatIsNoRotationIsRefusedWithItsLine) {
+  const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  expect_error<InputError>([&] { read_kitti_poses(file(good + "1.01 0 0 0 0 1 0 0 0 0 1 0\n")); },
+                           {"poses.txt:2", "a rotation matrix", "off by 0.0201"});
+  expect_error<InputError>([&] { read_kitti_poses(file("0 0 0 0 0 0 0 0 0 0 0 0\n")); }, {"off by 1"});
+  expect_error<InputError>([&] { read_kitti_poses(file("1e200 0 0 0 0 1 0 0 0 0 1 0\n")); }, {"off by inf"});
+  expect_error<InputError>([&] { read_kitti_poses(file("-1 0 0 0 0 1 0 0 0 0 1 0\n")); }, {"a reflection"});
+  expect_error<InputError>([&] { read_tum_trajectory(file("0 0 0 0 0 0 0 1.1\n")); },
+                           {"poses.txt:1", "a unit quaternion", "length 1.1"});
+  expect_error<InputError>([&] { read_tum_trajectory(file("0 0 0 0 0 0 0 0\n")); }, {"length 0"});
+}
+
+TEST_F(TrajectoryIo, TimesThatGoBackAreRefused) {
+  expect_error<InputError>([&] { read_tum_trajectory(file("2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n")); },
+                           {"poses.txt:2", "2.000000 s or later", "1.000000 s"});
+}
+
+TEST_F(TrajectoryIo, MissingAndEmptyFilesAreRefused) {
+  expect_error<InputError>([&] { read_kitti_poses(folder_ / "no.txt"); }, {"no.txt", "no such file"});
+  expect_error<InputError>([&] { read_tum_trajectory(folder_.path()); }, {"a folder"});
+  expect_error<InputError>([&] { read_kitti_poses(file("")); }, {"at least one pose", "none"});
+  expect_error<InputError>([&] { read_tum_trajectory(file("# only a comment\n")); }, {"at least one pose"});
+}
+
+TEST_F(TrajectoryIo, FormatIsToldByTheColumns) {
+  EXPECT_EQ(detect_trajectory_format(file("1 0 0 0 0 1 0 0 0 0 1 0\n")), TrajectoryFormat::kitti);
+  EXPECT_EQ(detect_trajectory_format(file("# t\n\n0 0 0 0 0 0 0 1\n")), TrajectoryFormat::tum);
+  expect_error<InputError>([&] { detect_trajectory_format(file("# a\n1 2 3\n")); },
+                           {"poses.txt:2", "12 numbers (KITTI) or 8 numbers (TUM)", "3 numbers"});
+  expect_error<InputError>([&] { detect_trajectory_format(file("\n")); }, {"at least one pose"});
+}
+
+TEST_F(TrajectoryIo, AFolderThatIsNotThereIsAnError) {
+  const Trajectory trajectory = test::winding_trajectory(2);
+  expect_error<Error>([&] { write_kitti_poses(folder_ / "no/a.txt", trajectory); }, {"no/a.txt"});
+  expect_error<Error>([&] { write_tum_trajectory(folder_ / "no/a.txt", trajectory); }, {"no/a.txt"});
+}
+
+}  // namespace
+}  // namespace penumbra::slam
