@@ -56,8 +56,9 @@ class InterruptGuard {
 // The one place where a segmenter is made; an empty one where none is asked for.
 slam::Segmenter make_segmenter(const SlamOptions& options) {
   if (options.no_segmentation || options.weights.empty()) return {};
-  throw Error(fmt::format("{}: segmentation inside `slam` is not connected in this version; use --no-segmentation",
-                          options.weights));
+  throw Error(
+      fmt::format("{}: segmentation inside `slam` is not connected in this version; use --no-segmentation",
+                  options.weights));
 }
 
 slam::SlamSettings make_settings(const SlamOptions& options) {
@@ -69,7 +70,8 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   return settings;
 }
 
-// Runs until the end, Ctrl-C or the first frame that cannot be read; returns what stopped it, empty at the end.
+// Runs until the end, Ctrl-C or the first frame that cannot be read; returns what stopped it, empty at the
+// end.
 std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam) {
   const InterruptGuard guard;
   slam::Prefetcher frames(dataset);
@@ -87,7 +89,8 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
 }
 
 // The ground truth of the frames that were processed, moved so that it starts where the estimate starts.
-slam::Trajectory ground_truth_in_estimate(const slam::StereoDataset& dataset, const slam::Trajectory& estimate) {
+slam::Trajectory ground_truth_in_estimate(const slam::StereoDataset& dataset,
+                                          const slam::Trajectory& estimate) {
   if (!dataset.ground_truth() || estimate.empty()) return {};
   slam::Trajectory truth(dataset.ground_truth()->begin(),
                          dataset.ground_truth()->begin() + static_cast<std::ptrdiff_t>(estimate.size()));
@@ -111,8 +114,8 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
 }
 
-void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset, const slam::Slam& slam,
-                   SlamRun& run) {
+void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
+                   const slam::Slam& slam, SlamRun& run) {
   const slam::Trajectory estimate = slam.trajectory();
   const slam::Trajectory truth = ground_truth_in_estimate(dataset, estimate);
   run.evaluation = evaluate(truth, estimate);
@@ -175,16 +178,19 @@ void run_slam(const SlamOptions& options) {
 
 void add_slam_command(CLI::App& app) {
   const auto options = std::make_shared<SlamOptions>();
-  CLI::App* command = app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo sequence");
+  CLI::App* command =
+      app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo sequence");
   command->footer(kExamples);
   command->add_option("dataset", options->dataset, "folder of the sequence")->required();
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   command->add_option("--format", options->format, "layout of the dataset")
       ->check(CLI::IsMember({"auto", "kitti"}))
       ->capture_default_str();
-  command->add_option("--sequence", options->sequence, "which one, where the folder holds several, such as 00");
+  command->add_option("--sequence", options->sequence,
+                      "which one, where the folder holds several, such as 00");
   command->add_option("--frames", options->frames, "A:B, frames A to B-1 only");
-  command->add_option("--weights", options->weights, "Mask R-CNN weights: features on movable things are left out");
+  command->add_option("--weights", options->weights,
+                      "Mask R-CNN weights: features on movable things are left out");
   command->add_flag("--no-segmentation", options->no_segmentation, "run without masks");
   command->add_option("--segment-every", options->segment_every, "segment every n-th frame")
       ->check(CLI::PositiveNumber)

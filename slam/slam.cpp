@@ -13,11 +13,11 @@ namespace {
 
 const StereoCamera& checked(const StereoCamera& camera) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
-  if (!positive(camera.fx) || !positive(camera.fy) || !positive(camera.baseline) || !std::isfinite(camera.cx) ||
-      !std::isfinite(camera.cy) || camera.width <= 0 || camera.height <= 0) {
+  if (!positive(camera.fx) || !positive(camera.fy) || !positive(camera.baseline) ||
+      !std::isfinite(camera.cx) || !std::isfinite(camera.cy) || camera.width <= 0 || camera.height <= 0) {
     throw InputError("stereo camera", "focal lengths, baseline and image size above zero",
-                     fmt::format("fx {} fy {} cx {} cy {} baseline {} size {}x{}", camera.fx, camera.fy, camera.cx,
-                                 camera.cy, camera.baseline, camera.width, camera.height));
+                     fmt::format("fx {} fy {} cx {} cy {} baseline {} size {}x{}", camera.fx, camera.fy,
+                                 camera.cx, camera.cy, camera.baseline, camera.width, camera.height));
   }
   return camera;
 }
@@ -29,8 +29,8 @@ void check_image(const cv::Mat& image, const StereoCamera& camera, int index, co
   }
   throw InputError(fmt::format("frame {}, {} image", index, side),
                    fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
-                   fmt::format("{}x{} with {} channels, depth code {}", image.cols, image.rows, image.channels(),
-                               image.depth()));
+                   fmt::format("{}x{} with {} channels, depth code {}", image.cols, image.rows,
+                               image.channels(), image.depth()));
 }
 
 cv::Mat to_grey(const cv::Mat& image) {
@@ -41,7 +41,8 @@ cv::Mat to_grey(const cv::Mat& image) {
 }
 
 // Colour of the image at each keypoint.
-std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image, const std::vector<Keypoint>& keypoints) {
+std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
+                                                    const std::vector<Keypoint>& keypoints) {
   std::vector<std::array<std::uint8_t, 3>> colours;
   colours.reserve(keypoints.size());
   for (const Keypoint& k : keypoints) {

@@ -4,8 +4,8 @@
 //   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
 //   write(slam.trajectory());
 //
-// Everything is computed in the calling thread, apart from the features of the right image; results do not depend
-// on the number of threads and repeat bit for bit.
+// Everything is computed in the calling thread, apart from the features of the right image; results do not
+// depend on the number of threads and repeat bit for bit.
 #pragma once
 
 #include <memory>
@@ -46,8 +46,8 @@ struct FrameResult {
 
 class Slam {
  public:
-  // `segmenter` may be empty. Throws InputError for a camera that cannot be: fx, fy or baseline not above zero or
-  // not finite, an image without pixels.
+  // `segmenter` may be empty. Throws InputError for a camera that cannot be: fx, fy or baseline not above
+  // zero or not finite, an image without pixels.
   Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter = {});
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;

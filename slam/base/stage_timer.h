@@ -12,7 +12,8 @@ namespace penumbra::slam {
 // The value below which a share `q` (0..1) of `values` lies; 0 for no values.
 inline double quantile_of(std::vector<double> values, double q) {
   if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -25,7 +26,9 @@ class StageTimer {
     Scope(StageTimer& timer, const char* stage)
         : timer_(timer), stage_(stage), start_(std::chrono::steady_clock::now()) {}
     ~Scope() {
-      timer_.add(stage_, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count());
+      timer_.add(
+          stage_,
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count());
     }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;

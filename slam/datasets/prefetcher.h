@@ -1,5 +1,5 @@
-// Reads the frames of a dataset in order, always one ahead in a thread of its own, so that decoding the images
-// overlaps with the work on the frame before.
+// Reads the frames of a dataset in order, always one ahead in a thread of its own, so that decoding the
+// images overlaps with the work on the frame before.
 #pragma once
 
 #include <future>

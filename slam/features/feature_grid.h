@@ -17,8 +17,8 @@ class FeatureGrid {
   // `width`, `height`: size of the image in pixels.
   FeatureGrid(const std::vector<Keypoint>& keypoints, int width, int height);
 
-  // Calls visit(i) for every feature i with |u_i - u| <= radius and |v_i - v| <= radius, pixels. A position that
-  // is outside the image or not finite finds what its square covers, perhaps nothing.
+  // Calls visit(i) for every feature i with |u_i - u| <= radius and |v_i - v| <= radius, pixels. A position
+  // that is outside the image or not finite finds what its square covers, perhaps nothing.
   template <typename Visit>
   void visit_near(float u, float v, float radius, Visit&& visit) const;
 
@@ -41,9 +41,11 @@ class FeatureGrid {
 template <typename Visit>
 void FeatureGrid::visit_near(float u, float v, float radius, Visit&& visit) const {
   // Also false for what is not a number.
-  const bool overlaps = u + radius >= 0.0F && v + radius >= 0.0F && u - radius <= width_ && v - radius <= height_;
+  const bool overlaps =
+      u + radius >= 0.0F && v + radius >= 0.0F && u - radius <= width_ && v - radius <= height_;
   if (!overlaps || entries_.empty()) return;
-  const int first_column = column(std::max(u - radius, 0.0F)), last_column = column(std::min(u + radius, width_));
+  const int first_column = column(std::max(u - radius, 0.0F)),
+            last_column = column(std::min(u + radius, width_));
   const int first_row = row(std::max(v - radius, 0.0F)), last_row = row(std::min(v + radius, height_));
   for (int r = first_row; r <= last_row; ++r) {
     const int begin = begin_[static_cast<std::size_t>(r * columns_ + first_column)];

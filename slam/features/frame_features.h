@@ -1,4 +1,5 @@
-// Everything that was measured in one stereo frame; immutable once made, shared by the frame and its keyframe.
+// Everything that was measured in one stereo frame; immutable once made, shared by the frame and its
+// keyframe.
 #pragma once
 
 #include <array>

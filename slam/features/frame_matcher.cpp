@@ -36,8 +36,9 @@ int search(const Projection& p, const FrameFeatures& frame, std::span<const char
     }
   });
   if (best_distance > settings.max_distance) return -1;
-  const bool ambiguous = best_level == second_level &&
-                         static_cast<float>(best_distance) > settings.ratio * static_cast<float>(second_distance);
+  const bool ambiguous =
+      best_level == second_level &&
+      static_cast<float>(best_distance) > settings.ratio * static_cast<float>(second_distance);
   return ambiguous ? -1 : best;
 }
 

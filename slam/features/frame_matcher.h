@@ -25,7 +25,7 @@ struct Projection {
   int level = 0;             // level on which the point should be found
   float angle = 0.0F;        // orientation it had when it was last seen, radians
   const Descriptor* descriptor = nullptr;
-  int source = 0;            // the caller's number of the point
+  int source = 0;  // the caller's number of the point
 };
 
 struct Match {
@@ -42,8 +42,8 @@ struct FrameMatcherSettings {
   int levels_below = 1, levels_above = 1;  // neighbouring levels that are searched
 };
 
-// `scales`: level_scales of the pyramid. `taken`: features that are not to be matched (may be empty). Features on
-// movable instances are never matched. Matches come in the order of `projections`.
+// `scales`: level_scales of the pyramid. `taken`: features that are not to be matched (may be empty).
+// Features on movable instances are never matched. Matches come in the order of `projections`.
 std::vector<Match> match_projections(std::span<const Projection> projections, const FrameFeatures& frame,
                                      std::span<const char> taken, std::span<const double> scales,
                                      const FrameMatcherSettings& settings);

@@ -8,7 +8,8 @@
 
 namespace penumbra::slam {
 
-// Pixel, right column where there is stereo depth, and 1 / sigma^2 with sigma the pixel size of the feature's level
+// Pixel, right column where there is stereo depth, and 1 / sigma^2 with sigma the pixel size of the feature's
+// level
 // (`scales`: level_scales of the pyramid).
 inline PixelMeasurement measurement_of(const FrameFeatures& features, int feature,
                                        const std::vector<double>& scales) {

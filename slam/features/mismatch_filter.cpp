@@ -67,8 +67,7 @@ std::vector<char> dense_bins(const Histogram& h, double share) {
 }  // namespace
 
 MismatchFilterMode mismatch_filter_mode(std::string_view name) {
-  for (const auto mode :
-       {MismatchFilterMode::off, MismatchFilterMode::paper, MismatchFilterMode::adaptive}) {
+  for (const auto mode : {MismatchFilterMode::off, MismatchFilterMode::paper, MismatchFilterMode::adaptive}) {
     if (name == name_of(mode)) return mode;
   }
   throw UsageError(fmt::format("mismatch filter: expected off, paper or adaptive, found '{}'", name));
@@ -85,8 +84,8 @@ std::string_view name_of(MismatchFilterMode mode) {
   }
 }
 
-MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs, const MismatchFilterSettings& settings,
-                                       std::vector<char>& keep) {
+MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
+                                       const MismatchFilterSettings& settings, std::vector<char>& keep) {
   std::vector<double> distances, finite;
   for (const MatchedPixels& pair : pairs) {
     distances.push_back((pair.first - pair.second).cast<double>().norm());
@@ -131,8 +130,8 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs, con
   }
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const int bin = histogram.bin_of[i];
-    const bool kept =
-        std::isfinite(distances[i]) && (keep_all || (bin != kOutside && keep_bin[static_cast<std::size_t>(bin)]));
+    const bool kept = std::isfinite(distances[i]) &&
+                      (keep_all || (bin != kOutside && keep_bin[static_cast<std::size_t>(bin)]));
     keep[i] = kept;
     ++(kept ? report.kept : report.removed);
     if (bin != kOutside) {

@@ -12,9 +12,9 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr int kFastRadius = 3;               // FAST looks at a circle of this radius
-constexpr int kBorder = kPatchRadius + 1;    // no corner is closer to the level's border than this
-constexpr double kBlurSigma = 2.0;           // pixels of the level
+constexpr int kFastRadius = 3;             // FAST looks at a circle of this radius
+constexpr int kBorder = kPatchRadius + 1;  // no corner is closer to the level's border than this
+constexpr double kBlurSigma = 2.0;         // pixels of the level
 
 // Half width of the disc of radius kPatchRadius in row y.
 const std::array<int, kPatchRadius + 1>& disc_rows() {
@@ -107,8 +107,7 @@ void OrbExtractor::find_corners(const cv::Mat& level, const cv::Rect& region) {
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       if (cell_has_corner_[static_cast<std::size_t>(row * columns + column)]) continue;
-      const cv::Rect cell =
-          cv::Rect(region.x + column * size, region.y + row * size, size, size) & region;
+      const cv::Rect cell = cv::Rect(region.x + column * size, region.y + row * size, size, size) & region;
       fast(cell, settings_.lowest_fast_threshold, cell_corners_);
       corners_.insert(corners_.end(), cell_corners_.begin(), cell_corners_.end());
     }

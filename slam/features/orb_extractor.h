@@ -4,7 +4,8 @@
 //   FAST-9 with threshold 20; cells of 35 pixels that stay empty are searched again with threshold 7
 //   features of level l:  n_l = N (1 - 1/s) / (1 - 1/s^L) / s^l        (equal density per area of each level)
 //   orientation:          angle = atan2(m01, m10),  m_pq = sum x^p y^q I(x, y) over the disc of radius 15
-//   descriptor:           bit i = G(a_i) < G(b_i), pattern turned by the angle, G = the level blurred, sigma 2
+//   descriptor:           bit i = G(a_i) < G(b_i), pattern turned by the angle, G = the level blurred, sigma
+//   2
 //
 // Cost at 1241 x 376 and 2000 features: about 10 ms on one core.
 // Source: Rublee et al., ORB: an efficient alternative to SIFT or SURF (ICCV 2011); the pattern is our own
@@ -23,9 +24,9 @@ namespace penumbra::slam {
 struct OrbSettings {
   int features = 0;  // wanted per image; 0: by the image's size, see default_feature_count
   PyramidSettings pyramid;
-  int fast_threshold = 20;         // grey values
-  int lowest_fast_threshold = 7;   // for cells without a corner
-  int cell_size = 35;              // pixels of the level
+  int fast_threshold = 20;        // grey values
+  int lowest_fast_threshold = 7;  // for cells without a corner
+  int cell_size = 35;             // pixels of the level
 };
 
 // One feature per 233 pixels (2000 at 1241 x 376), between 500 and 4000.

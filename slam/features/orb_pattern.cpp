@@ -10,16 +10,17 @@ namespace penumbra::slam {
 namespace {
 
 constexpr std::uint64_t kSeed = 2022;
-constexpr double kSigma = 31.0 / 5.0;         // pixels
-constexpr double kRadius = 14.0;              // pixels; turned and rounded it stays within kPatchRadius
-constexpr double kShortest = 3.0;             // pixels between the ends of a test
-constexpr double kDistinct = 2.0;             // pixels by which tests must differ at one end at least
+constexpr double kSigma = 31.0 / 5.0;  // pixels
+constexpr double kRadius = 14.0;       // pixels; turned and rounded it stays within kPatchRadius
+constexpr double kShortest = 3.0;      // pixels between the ends of a test
+constexpr double kDistinct = 2.0;      // pixels by which tests must differ at one end at least
 
 struct Test {
   double ax, ay, bx, by;
 };
 
-// A standard normal draw as the sum of twelve uniforms less six: no library function whose last bit may differ.
+// A standard normal draw as the sum of twelve uniforms less six: no library function whose last bit may
+// differ.
 double gaussian(std::uint64_t& counter) {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += counter_uniform(kSeed, counter++);

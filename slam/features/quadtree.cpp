@@ -50,9 +50,8 @@ std::vector<cv::KeyPoint> spread_corners(std::vector<cv::KeyPoint> corners, cons
   const auto column_of = [&](const cv::KeyPoint& c) {
     return std::clamp(static_cast<int>((c.pt.x - region.x) / width), 0, columns - 1);
   };
-  std::stable_sort(corners.begin(), corners.end(), [&](const cv::KeyPoint& a, const cv::KeyPoint& b) {
-    return column_of(a) < column_of(b);
-  });
+  std::stable_sort(corners.begin(), corners.end(),
+                   [&](const cv::KeyPoint& a, const cv::KeyPoint& b) { return column_of(a) < column_of(b); });
 
   const auto fewer = [](const Node& a, const Node& b) {
     return a.size() != b.size() ? a.size() < b.size() : a.begin > b.begin;
@@ -70,7 +69,8 @@ std::vector<cv::KeyPoint> spread_corners(std::vector<cv::KeyPoint> corners, cons
   int begin = 0;
   for (int c = 0; c < columns; ++c) {
     int end = begin;
-    while (end < static_cast<int>(corners.size()) && column_of(corners[static_cast<std::size_t>(end)]) == c) ++end;
+    while (end < static_cast<int>(corners.size()) && column_of(corners[static_cast<std::size_t>(end)]) == c)
+      ++end;
     add({{region.x + static_cast<float>(c) * width, region.y, width, region.height}, begin, end, 0});
     begin = end;
   }

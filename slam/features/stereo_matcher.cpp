@@ -10,15 +10,16 @@ namespace penumbra::slam {
 namespace {
 
 constexpr int kMaxHamming = 75;
-constexpr double kRowBand = 2.0;      // pixels of the right feature's level
-constexpr int kPatch = 5;             // half width of the patch, pixels of the level
-constexpr int kSlide = 5;             // pixels of the level
-constexpr float kMedianFactor = 2.1F; // 1.5 * 1.4: for normal residuals the median is the deviation / 1.4
+constexpr double kRowBand = 2.0;       // pixels of the right feature's level
+constexpr int kPatch = 5;              // half width of the patch, pixels of the level
+constexpr int kSlide = 5;              // pixels of the level
+constexpr float kMedianFactor = 2.1F;  // 1.5 * 1.4: for normal residuals the median is the deviation / 1.4
 
 // The right features that a left feature in row v may match, for every v.
 class RowTable {
  public:
-  RowTable(const Features& right, const ImagePyramid& pyramid, int height) : begin_(std::size_t(height) + 1, 0) {
+  RowTable(const Features& right, const ImagePyramid& pyramid, int height)
+      : begin_(std::size_t(height) + 1, 0) {
     const auto rows = [&](const Keypoint& k) {
       const double band = kRowBand * pyramid.scale_x(k.level);
       return std::pair{std::max(0, static_cast<int>(std::ceil(k.v - band))),
@@ -39,7 +40,8 @@ class RowTable {
   template <typename Visit>
   void visit_row(int row, Visit&& visit) const {
     if (row < 0 || row + 1 >= static_cast<int>(begin_.size())) return;
-    for (int i = begin_[std::size_t(row)]; i < begin_[std::size_t(row) + 1]; ++i) visit(features_[std::size_t(i)]);
+    for (int i = begin_[std::size_t(row)]; i < begin_[std::size_t(row) + 1]; ++i)
+      visit(features_[std::size_t(i)]);
   }
 
  private:
@@ -86,13 +88,15 @@ Refined refine(const cv::Mat& left, const cv::Mat& right, int xl, int y, int xr)
 }  // namespace
 
 void match_stereo(const StereoCamera& camera, const Features& left, const Features& right,
-                  const ImagePyramid& left_pyramid, const ImagePyramid& right_pyramid, StereoMatches& matches) {
+                  const ImagePyramid& left_pyramid, const ImagePyramid& right_pyramid,
+                  StereoMatches& matches) {
   const std::size_t n = left.keypoints.size();
   matches.u_right.assign(n, -1.0F);
   matches.depth.assign(n, -1.0F);
   matches.count = 0;
   const RowTable rows(right, right_pyramid, camera.height);
-  const float max_disparity = static_cast<float>(camera.fx);  // depth = baseline: nearer is not in both images
+  const float max_disparity =
+      static_cast<float>(camera.fx);  // depth = baseline: nearer is not in both images
   const float fx_baseline = static_cast<float>(camera.fx * camera.baseline);
 
   std::vector<std::pair<int, std::size_t>> differences;  // SAD and feature
@@ -114,9 +118,9 @@ void match_stereo(const StereoCamera& camera, const Features& left, const Featur
     const Eigen::Vector2f at = left_pyramid.to_level({k.u, k.v}, k.level);
     const Keypoint& candidate = right.keypoints[std::size_t(best)];
     const Eigen::Vector2f start = right_pyramid.to_level({candidate.u, candidate.v}, k.level);
-    const Refined refined =
-        refine(left_pyramid.level(k.level), right_pyramid.level(k.level), static_cast<int>(std::lround(at.x())),
-               static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(start.x())));
+    const Refined refined = refine(
+        left_pyramid.level(k.level), right_pyramid.level(k.level), static_cast<int>(std::lround(at.x())),
+        static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(start.x())));
     if (!refined.valid) continue;
     const float u_right = right_pyramid.to_full({refined.x, at.y()}, k.level).x();
     const float disparity = k.u - u_right;

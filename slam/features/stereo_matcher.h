@@ -8,7 +8,8 @@
 //        delta = (S(-1) - S(1)) / (2 (S(-1) + S(1) - 2 S(0)))
 //   4. pairs whose SAD is above 2.1 times the median are removed
 //
-// Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-A; own formulation. About 3 ms for 2000 features.
+// Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-A; own formulation. About 3 ms for 2000
+// features.
 #pragma once
 
 #include <vector>
@@ -27,6 +28,7 @@ struct StereoMatches {
 
 // The pyramids are those that the features were found on.
 void match_stereo(const StereoCamera& camera, const Features& left, const Features& right,
-                  const ImagePyramid& left_pyramid, const ImagePyramid& right_pyramid, StereoMatches& matches);
+                  const ImagePyramid& left_pyramid, const ImagePyramid& right_pyramid,
+                  StereoMatches& matches);
 
 }  // namespace penumbra::slam

@@ -19,7 +19,8 @@ Eigen::Matrix3d triangle_frame(const std::array<Eigen::Vector3d, 3>& p) {
 }
 
 // The motion that takes triangle `world` to the congruent triangle `camera`.
-SE3 align_triangles(const std::array<Eigen::Vector3d, 3>& world, const std::array<Eigen::Vector3d, 3>& camera) {
+SE3 align_triangles(const std::array<Eigen::Vector3d, 3>& world,
+                    const std::array<Eigen::Vector3d, 3>& camera) {
   SE3 T_cw;
   T_cw.rotation = triangle_frame(camera) * triangle_frame(world).transpose();
   const Eigen::Vector3d world_centre = (world[0] + world[1] + world[2]) / 3.0;
@@ -68,7 +69,8 @@ std::vector<double> real_roots(const std::vector<double>& coefficients) {
   return roots;
 }
 
-std::vector<SE3> solve_p3p(const std::array<Eigen::Vector3d, 3>& points, const std::array<Eigen::Vector3d, 3>& rays) {
+std::vector<SE3> solve_p3p(const std::array<Eigen::Vector3d, 3>& points,
+                           const std::array<Eigen::Vector3d, 3>& rays) {
   const double a2 = (points[1] - points[2]).squaredNorm(), b2 = (points[0] - points[2]).squaredNorm(),
                c2 = (points[0] - points[1]).squaredNorm();
   const double area = (points[1] - points[0]).cross(points[2] - points[0]).norm();

@@ -39,7 +39,8 @@ std::array<std::size_t, 3> draw_three(std::uint64_t seed, std::uint64_t draw, st
 
 }  // namespace
 
-std::optional<PnpResult> solve_pnp_ransac(const StereoCamera& camera, std::span<const PoseObservation> observations,
+std::optional<PnpResult> solve_pnp_ransac(const StereoCamera& camera,
+                                          std::span<const PoseObservation> observations,
                                           const PnpRansacSettings& settings) {
   const std::size_t n = observations.size();
   if (n < 3 || static_cast<int>(n) < settings.fewest_inliers) return std::nullopt;

@@ -1,8 +1,8 @@
 // Camera pose from 3-D to 2-D pairs of which many are wrong: P3P inside RANSAC.
 //
-// Draws three pairs, solves P3P, counts the pairs within their chi-square gate (reprojection_error), keeps the
-// pose with the most; stops after  log(1 - confidence) / log(1 - w^3)  draws, w the best share of inliers so far.
-// The draws are a function of the seed and the number of the draw: results repeat exactly.
+// Draws three pairs, solves P3P, counts the pairs within their chi-square gate (reprojection_error), keeps
+// the pose with the most; stops after  log(1 - confidence) / log(1 - w^3)  draws, w the best share of inliers
+// so far. The draws are a function of the seed and the number of the draw: results repeat exactly.
 //
 // Source: Fischler, Bolles, Random Sample Consensus (1981).
 #pragma once
@@ -36,7 +36,8 @@ struct PnpResult {
 };
 
 // Nothing where no pose has `fewest_inliers`.
-std::optional<PnpResult> solve_pnp_ransac(const StereoCamera& camera, std::span<const PoseObservation> observations,
+std::optional<PnpResult> solve_pnp_ransac(const StereoCamera& camera,
+                                          std::span<const PoseObservation> observations,
                                           const PnpRansacSettings& settings);
 
 }  // namespace penumbra::slam

@@ -1,7 +1,8 @@
 // Reprojection errors and their derivatives: what pose estimation and bundle adjustment minimise.
 //
 //   p = T_cw X = R X + t                                        point in the camera's frame
-//   e = pi(p) - z,   pi(p) = (fx x/z + cx, fy y/z + cy, fx (x - b)/z + cx)      pixels; the third row for stereo
+//   e = pi(p) - z,   pi(p) = (fx x/z + cx, fy y/z + cy, fx (x - b)/z + cx)      pixels; the third row for
+//   stereo
 //
 //   J_pi   = de/dp = [ fx/z  0  -fx x/z^2 ;  0  fy/z  -fy y/z^2 ;  fx/z  0  -fx (x - b)/z^2 ]
 //   J_pose = de/dxi  = J_pi [ I | -[p]x ]       for T_cw <- exp(xi) T_cw, xi = (rho, phi)
@@ -41,7 +42,8 @@ inline Eigen::Vector3d reprojection_error(const StereoCamera& camera, const Eige
 }
 
 // J_pi; the third row is 0 for monocular measurements.
-inline Eigen::Matrix3d projection_jacobian(const StereoCamera& camera, const Eigen::Vector3d& p, bool stereo) {
+inline Eigen::Matrix3d projection_jacobian(const StereoCamera& camera, const Eigen::Vector3d& p,
+                                           bool stereo) {
   const double iz = 1.0 / p.z(), iz2 = iz * iz;
   Eigen::Matrix3d J;
   J << camera.fx * iz, 0.0, -camera.fx * p.x() * iz2,  //

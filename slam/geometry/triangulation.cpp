@@ -31,8 +31,7 @@ std::optional<Eigen::Vector3d> triangulate(const StereoCamera& camera, std::span
   for (const View& view : views) {
     const Eigen::Vector3d m = camera.back_project(view.pixel.x(), view.pixel.y(), 1.0);
     for (int i = 0; i < 2; ++i) {
-      const Eigen::Vector3d row =
-          (m[i] * view.T_cw.rotation.row(2) - view.T_cw.rotation.row(i)).transpose();
+      const Eigen::Vector3d row = (m[i] * view.T_cw.rotation.row(2) - view.T_cw.rotation.row(i)).transpose();
       const double right = view.T_cw.translation[i] - m[i] * view.T_cw.translation.z();
       A += row * row.transpose();
       b += row * right;
@@ -59,7 +58,8 @@ Eigen::Matrix3d fundamental_matrix(const StereoCamera& camera, const SE3& T_aw, 
   return K_inverse.transpose() * skew(T_ba.translation) * T_ba.rotation * K_inverse;
 }
 
-double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a,
+                                 const Eigen::Vector2d& b) {
   const Eigen::Vector3d line = F * a.homogeneous();
   const double length = line.head<2>().squaredNorm();
   if (length == 0.0) return std::numeric_limits<double>::infinity();

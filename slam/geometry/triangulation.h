@@ -1,8 +1,8 @@
 // The point that two or more rays see.
 //
-// Linear triangulation: with T_cw = [R | t] and the normalised pixel (x, y) = ((u - cx)/fx, (v - cy)/fy) every
-// view gives two rows   x (r3 X + t3) - (r1 X + t1) = 0,   y (r3 X + t3) - (r2 X + t2) = 0;
-// their least-squares solution in X. Source: Hartley, Zisserman, Multiple View Geometry (2004), section 12.2.
+// Linear triangulation: with T_cw = [R | t] and the normalised pixel (x, y) = ((u - cx)/fx, (v - cy)/fy)
+// every view gives two rows   x (r3 X + t3) - (r1 X + t1) = 0,   y (r3 X + t3) - (r2 X + t2) = 0; their
+// least-squares solution in X. Source: Hartley, Zisserman, Multiple View Geometry (2004), section 12.2.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,6 +29,7 @@ double ray_cosine(const StereoCamera& camera, const View& a, const View& b);
 Eigen::Matrix3d fundamental_matrix(const StereoCamera& camera, const SE3& T_aw, const SE3& T_bw);
 
 // Squared distance (pixels^2) of pixel `b` from the epipolar line of pixel `a`.
-double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a,
+                                 const Eigen::Vector2d& b);
 
 }  // namespace penumbra::slam

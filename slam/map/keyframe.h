@@ -1,4 +1,5 @@
-// A frame that the map remembers: its features, the points they show, and its place in the covisibility graph.
+// A frame that the map remembers: its features, the points they show, and its place in the covisibility
+// graph.
 #pragma once
 
 #include <memory>

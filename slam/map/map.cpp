@@ -41,7 +41,8 @@ Descriptor typical_descriptor(const MapPoint& point) {
     for (std::size_t j = 0; j < n; ++j) {
       distances[j] = hamming_distance(descriptor(point.observations[i]), descriptor(point.observations[j]));
     }
-    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(n / 2), distances.end());
+    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(n / 2),
+                     distances.end());
     if (distances[n / 2] < best_median) {
       best_median = distances[n / 2];
       best = i;
@@ -96,9 +97,9 @@ void Map::remove_observation(MapPoint* point, KeyFrame* keyframe) {
   if (at == point->observations.end() || at->keyframe != keyframe) return;
   keyframe->points[static_cast<std::size_t>(at->feature)] = nullptr;
   point->observations.erase(at);
-  const bool stereo = std::any_of(point->observations.begin(), point->observations.end(), [](const Observation& o) {
-    return o.keyframe->features->has_stereo(o.feature);
-  });
+  const bool stereo =
+      std::any_of(point->observations.begin(), point->observations.end(),
+                  [](const Observation& o) { return o.keyframe->features->has_stereo(o.feature); });
   if (point->observations.empty() || (point->observations.size() < 2 && !stereo)) erase_point(point);
 }
 

@@ -1,8 +1,8 @@
 // The map: keyframes, points, who sees what, and the covisibility graph. Owns them all; every change of the
 // structure goes through here, so that both directions (point -> keyframes, keyframe -> points) always agree.
 //
-// Erased points stay in memory until collect_erased(): whoever holds a pointer to one can still see that it is
-// erased and what replaced it.
+// Erased points stay in memory until collect_erased(): whoever holds a pointer to one can still see that it
+// is erased and what replaced it.
 #pragma once
 
 #include <memory>
@@ -43,7 +43,8 @@ class Map {
   // The first keyframe is never erased: it holds the world's origin.
   void erase_keyframe(KeyFrame* keyframe);
 
-  // Recomputes a point's descriptor, normal and reference distance after its observations or position changed.
+  // Recomputes a point's descriptor, normal and reference distance after its observations or position
+  // changed.
   void update_point(MapPoint* point) const;
   // Recomputes a keyframe's edges, on both ends.
   void update_covisibility(KeyFrame* keyframe);

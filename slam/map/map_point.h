@@ -30,8 +30,8 @@ struct MapPoint {
   int visible = 1, found = 1;                          // frames that should have seen it, and that did
   std::array<std::uint8_t, 3> colour{};                // blue, green, red
 
-  bool erased = false;               // no longer part of the map
-  MapPoint* replacement = nullptr;   // for an erased point: the point that it was merged into
+  bool erased = false;              // no longer part of the map
+  MapPoint* replacement = nullptr;  // for an erased point: the point that it was merged into
 
   double found_ratio() const { return static_cast<double>(found) / static_cast<double>(visible); }
 };

@@ -31,7 +31,8 @@ void write_ply(const std::filesystem::path& path, const Map& map) {
     ++count;
   }
   const std::string header = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment Penumbra map: points, then {} keyframe positions in red\n"
+      "ply\nformat binary_little_endian 1.0\ncomment Penumbra map: points, then {} keyframe positions in "
+      "red\n"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
       map.keyframes().size(), count);

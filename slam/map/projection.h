@@ -22,8 +22,8 @@ inline int predicted_level(double reference_distance, double distance, const std
 
 // Nothing where the point is behind the camera, out of the image, much nearer or farther than it was seen
 // (more than one level outside the pyramid), or seen from a direction more than 60 degrees off.
-inline std::optional<Projection> project_point(const StereoCamera& camera, const SE3& T_cw, const MapPoint& point,
-                                               const std::vector<double>& scales) {
+inline std::optional<Projection> project_point(const StereoCamera& camera, const SE3& T_cw,
+                                               const MapPoint& point, const std::vector<double>& scales) {
   constexpr double kCosLargestTurn = 0.5;
   const Eigen::Vector3d p = T_cw * point.position;
   if (!(p.z() > 0.0)) return std::nullopt;

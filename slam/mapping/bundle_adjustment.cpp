@@ -38,7 +38,8 @@ class Solver {
       if (p.z() < kNearest) {
         sum += kBehindCost * z.gate();
       } else {
-        sum += huber(reprojection_error(problem_.camera, p, z).squaredNorm() * z.inverse_variance, bound(z)).cost;
+        sum += huber(reprojection_error(problem_.camera, p, z).squaredNorm() * z.inverse_variance, bound(z))
+                   .cost;
       }
     }
     return sum;
@@ -95,7 +96,8 @@ class Solver {
     return robust_ ? z.gate() : std::numeric_limits<double>::infinity();
   }
 
-  // Slot of the observation's pose among the free ones; -1 for a fixed pose or an observation that is left out.
+  // Slot of the observation's pose among the free ones; -1 for a fixed pose or an observation that is left
+  // out.
   int free_slot(std::size_t i) const {
     const BundleObservation& o = problem_.observations[i];
     return o.active ? slot_[std::size_t(o.pose)] : -1;
@@ -110,8 +112,7 @@ class Solver {
     const Eigen::Vector3d p = T_cw * problem_.points[j];
     if (p.z() < kNearest) return;
     const Eigen::Vector3d e = reprojection_error(problem_.camera, p, z);
-    const double weight =
-        huber(e.squaredNorm() * z.inverse_variance, bound(z)).weight * z.inverse_variance;
+    const double weight = huber(e.squaredNorm() * z.inverse_variance, bound(z)).weight * z.inverse_variance;
     const Eigen::Matrix3d J_pi = projection_jacobian(problem_.camera, p, z.stereo);
     const Eigen::Matrix3d J_point = J_pi * T_cw.rotation;
     V_[j].noalias() += weight * J_point.transpose() * J_point;

@@ -12,8 +12,9 @@
 //   (U - W V^-1 W^T) dx = -g_x + W V^-1 g_X,        dX = -V^-1 (g_X + W^T dx)
 //
 // Damping: the diagonals of U and V are multiplied by 1 + lambda. Perturbation T <- exp(dx) T on the left.
-// Cost of an iteration: O(observations * observations per point) for the elimination, O((6 poses)^3) to solve.
-// Source: Triggs et al., Bundle Adjustment - A Modern Synthesis (2000), section 6; Lourakis, Argyros, SBA (2009).
+// Cost of an iteration: O(observations * observations per point) for the elimination, O((6 poses)^3) to
+// solve. Source: Triggs et al., Bundle Adjustment - A Modern Synthesis (2000), section 6; Lourakis, Argyros,
+// SBA (2009).
 #pragma once
 
 #include <vector>
@@ -37,10 +38,10 @@ struct BundleProblem {
 };
 
 struct BundleSettings {
-  int iterations = 10;             // at most
-  bool robust = true;              // Huber kernel with the chi-square gate as its bound
+  int iterations = 10;  // at most
+  bool robust = true;   // Huber kernel with the chi-square gate as its bound
   double initial_lambda = 1e-5;
-  double converged = 1e-4;         // relative decrease of the cost that ends the iterations
+  double converged = 1e-4;  // relative decrease of the cost that ends the iterations
 };
 
 struct BundleSummary {
@@ -54,7 +55,8 @@ struct BundleStep {
   std::vector<Eigen::Vector3d> points;
 };
 
-// Improves problem.poses and problem.points; the cost never rises. Points that no active observation sees stay.
+// Improves problem.poses and problem.points; the cost never rises. Points that no active observation sees
+// stay.
 BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings);
 
 // The first step that solve_bundle would try with damping `lambda`.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "slam/mapping/bundle_adjustment.h"
 #include "slam/features/measurement.h"
+#include "slam/mapping/bundle_adjustment.h"
 
 namespace penumbra::slam {
 
@@ -54,7 +54,8 @@ Window choose_window(KeyFrame* centre, const LocalBundleSettings& settings) {
   return window;
 }
 
-BundleProblem make_problem(const StereoCamera& camera, const Window& window, const std::vector<double>& scales) {
+BundleProblem make_problem(const StereoCamera& camera, const Window& window,
+                           const std::vector<double>& scales) {
   BundleProblem problem;
   problem.camera = camera;
   std::map<int, int> pose_of;  // keyframe id -> pose

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "slam/map/projection.h"
 #include "slam/features/measurement.h"
+#include "slam/map/projection.h"
 
 namespace penumbra::slam {
 
@@ -16,7 +16,8 @@ constexpr int kLeastWeight = 4;
 
 int weight_of(const MapPoint& point) {
   int weight = 0;
-  for (const Observation& o : point.observations) weight += o.keyframe->features->has_stereo(o.feature) ? 2 : 1;
+  for (const Observation& o : point.observations)
+    weight += o.keyframe->features->has_stereo(o.feature) ? 2 : 1;
   return weight;
 }
 
@@ -71,8 +72,8 @@ void LocalMapper::fuse_with_neighbours(KeyFrame* keyframe) {
   map_.update_covisibility(keyframe);
 }
 
-// Looks for the points in the keyframe: what is found becomes an observation, or is merged with the point that is
-// there already.
+// Looks for the points in the keyframe: what is found becomes an observation, or is merged with the point
+// that is there already.
 void LocalMapper::fuse_into(KeyFrame* keyframe, const std::vector<MapPoint*>& points) {
   FrameMatcherSettings settings;
   settings.radius = 3.0F;
@@ -88,7 +89,8 @@ void LocalMapper::fuse_into(KeyFrame* keyframe, const std::vector<MapPoint*>& po
     projection->source = static_cast<int>(i);
     projections.push_back(*projection);
   }
-  for (const Match& match : match_projections(projections, *keyframe->features, {}, map_.scales(), settings)) {
+  for (const Match& match :
+       match_projections(projections, *keyframe->features, {}, map_.scales(), settings)) {
     MapPoint* point = points[static_cast<std::size_t>(match.source)];
     if (point->erased) continue;
     const PixelMeasurement z = measurement_of(*keyframe->features, match.feature, map_.scales());

@@ -1,11 +1,12 @@
 // Takes keyframes from the tracker and keeps the map around them good.
 //
-//   connect the keyframe to the points it was tracked with -> remove points that proved bad -> new points (stereo,
-//   triangulation) -> fuse duplicates with the neighbours -> local bundle adjustment -> remove redundant keyframes
+//   connect the keyframe to the points it was tracked with -> remove points that proved bad -> new points
+//   (stereo, triangulation) -> fuse duplicates with the neighbours -> local bundle adjustment -> remove
+//   redundant keyframes
 //
-// It runs in line with the tracker now. process() needs nothing but the keyframe and the map, so it can move to a
-// thread of its own behind a queue.
-// Source: Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section VI.
+// It runs in line with the tracker now. process() needs nothing but the keyframe and the map, so it can move
+// to a thread of its own behind a queue. Source: Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section
+// VI.
 #pragma once
 
 #include <vector>
@@ -19,9 +20,9 @@ namespace penumbra::slam {
 struct LocalMapperSettings {
   PointCreationSettings point_creation;
   LocalBundleSettings bundle;
-  int fuse_neighbours = 5;            // keyframes whose points are compared with the new one's
-  double least_found_ratio = 0.25;    // a recent point found in fewer of the frames that should see it goes
-  double redundant_share = 0.9;       // a keyframe goes if this share of its close points is seen in three others
+  int fuse_neighbours = 5;          // keyframes whose points are compared with the new one's
+  double least_found_ratio = 0.25;  // a recent point found in fewer of the frames that should see it goes
+  double redundant_share = 0.9;  // a keyframe goes if this share of its close points is seen in three others
 };
 
 class LocalMapper {

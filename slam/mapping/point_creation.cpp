@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "slam/geometry/triangulation.h"
 #include "slam/features/measurement.h"
+#include "slam/geometry/triangulation.h"
 
 namespace penumbra::slam {
 
@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kMaxHamming = 50;
 constexpr float kRatio = 0.8F;
-constexpr double kChiSquareLine = 3.84;      // one degree of freedom
-constexpr double kCosLeastParallax = 0.9998; // 1.15 degrees
-constexpr double kLongestSearch = 120.0;     // pixels along the epipolar line
+constexpr double kChiSquareLine = 3.84;       // one degree of freedom
+constexpr double kCosLeastParallax = 0.9998;  // 1.15 degrees
+constexpr double kLongestSearch = 120.0;      // pixels along the epipolar line
 
 bool is_free(const KeyFrame& keyframe, int i) {
   return keyframe.points[static_cast<std::size_t>(i)] == nullptr && !keyframe.features->is_movable(i);
@@ -57,27 +57,31 @@ class PairSearch {
     const Eigen::Vector2d centre = 0.5 * (from + to);
     const float radius = static_cast<float>(0.5 * (to - from).lpNorm<Eigen::Infinity>() + margin);
     int best = -1, best_distance = kMaxHamming + 1, second_distance = kDescriptorBits;
-    second_.features->grid.visit_near(static_cast<float>(centre.x()), static_cast<float>(centre.y()), radius, [&](int j) {
-      const int other_level = second_.features->keypoint(j).level;
-      if (std::abs(other_level - level) > 1 || !is_free(second_, j)) return;
-      const double sigma = scales_[static_cast<std::size_t>(other_level)];
-      if (squared_epipolar_distance(F_, pixel, pixel_of(second_, j)) > kChiSquareLine * sigma * sigma) return;
-      const int d = hamming_distance(first_.features->descriptor(i), second_.features->descriptor(j));
-      if (d < best_distance) {
-        second_distance = best_distance;
-        best_distance = d;
-        best = j;
-      } else if (d < second_distance) {
-        second_distance = d;
-      }
-    });
-    if (best >= 0 && static_cast<float>(best_distance) > kRatio * static_cast<float>(second_distance)) return -1;
+    second_.features->grid.visit_near(
+        static_cast<float>(centre.x()), static_cast<float>(centre.y()), radius, [&](int j) {
+          const int other_level = second_.features->keypoint(j).level;
+          if (std::abs(other_level - level) > 1 || !is_free(second_, j)) return;
+          const double sigma = scales_[static_cast<std::size_t>(other_level)];
+          if (squared_epipolar_distance(F_, pixel, pixel_of(second_, j)) > kChiSquareLine * sigma * sigma)
+            return;
+          const int d = hamming_distance(first_.features->descriptor(i), second_.features->descriptor(j));
+          if (d < best_distance) {
+            second_distance = best_distance;
+            best_distance = d;
+            best = j;
+          } else if (d < second_distance) {
+            second_distance = d;
+          }
+        });
+    if (best >= 0 && static_cast<float>(best_distance) > kRatio * static_cast<float>(second_distance))
+      return -1;
     return best;
   }
 
   // The point that features `i` and `j` show, if they agree on one.
   std::optional<Eigen::Vector3d> point(int i, int j) const {
-    const std::array<View, 2> views = {View{first_.T_cw, pixel_of(first_, i)}, {second_.T_cw, pixel_of(second_, j)}};
+    const std::array<View, 2> views = {View{first_.T_cw, pixel_of(first_, i)},
+                                       {second_.T_cw, pixel_of(second_, j)}};
     const double parallax_cosine = ray_cosine(camera_, views[0], views[1]);
     const double stereo_cosine = std::min(stereo_parallax(first_, i), stereo_parallax(second_, j));
     std::optional<Eigen::Vector3d> X;

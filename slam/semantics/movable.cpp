@@ -10,9 +10,9 @@ namespace penumbra::slam {
 
 bool is_movable_class(std::string_view class_name) {
   static constexpr std::array<std::string_view, 25> kMovable = {
-      "person", "pedestrian", "rider",   "bicycle", "motorcycle", "car",      "van",   "bus",   "train",
-      "tram",   "truck",      "trailer", "caravan", "airplane",   "boat",     "bird",  "cat",   "dog",
-      "horse",  "sheep",      "cow",     "elephant", "bear",      "zebra",    "giraffe"};
+      "person", "pedestrian", "rider",   "bicycle",  "motorcycle", "car",   "van",    "bus", "train",
+      "tram",   "truck",      "trailer", "caravan",  "airplane",   "boat",  "bird",   "cat", "dog",
+      "horse",  "sheep",      "cow",     "elephant", "bear",       "zebra", "giraffe"};
   std::string lower(class_name);
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -38,7 +38,8 @@ void mark_movable_features(const std::vector<Instance>& instances, const std::ve
   for (const Instance& instance : instances) {
     if (instance.score < least_score || !is_movable_class(instance.class_name)) continue;
     for (std::size_t i = 0; i < keypoints.size(); ++i) {
-      const int x = static_cast<int>(std::lround(keypoints[i].u)), y = static_cast<int>(std::lround(keypoints[i].v));
+      const int x = static_cast<int>(std::lround(keypoints[i].u)),
+                y = static_cast<int>(std::lround(keypoints[i].v));
       if (!movable[i] && touches(instance, x, y, margin)) movable[i] = 1;
     }
   }

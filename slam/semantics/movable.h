@@ -9,13 +9,13 @@
 
 namespace penumbra::slam {
 
-// People, vehicles and animals, by the class names of COCO and Cityscapes ("person", "rider", "car", "dog", ...),
-// whatever their case. A parked car is movable, too: this is about what a thing can do.
+// People, vehicles and animals, by the class names of COCO and Cityscapes ("person", "rider", "car", "dog",
+// ...), whatever their case. A parked car is movable, too: this is about what a thing can do.
 bool is_movable_class(std::string_view class_name);
 
-// Marks (1) the features on instances of movable classes with at least `least_score`. Masks end a little inside
-// their object: features within `margin` pixels of one belong to it. `movable` has one entry per keypoint; marks
-// that it holds stay.
+// Marks (1) the features on instances of movable classes with at least `least_score`. Masks end a little
+// inside their object: features within `margin` pixels of one belong to it. `movable` has one entry per
+// keypoint; marks that it holds stay.
 void mark_movable_features(const std::vector<Instance>& instances, const std::vector<Keypoint>& keypoints,
                            double least_score, int margin, std::vector<char>& movable);
 

@@ -2,7 +2,8 @@
 //
 //   T_k,w = exp( s log(T_k-1,k-2) ) T_k-1,w       s = (t_k - t_k-1) / (t_k-1 - t_k-2)
 //
-// s is 1 where the times do not say otherwise (missing, equal, running backwards, or a jump of more than 5 steps).
+// s is 1 where the times do not say otherwise (missing, equal, running backwards, or a jump of more than 5
+// steps).
 #pragma once
 
 #include "slam/geometry/se3.h"

@@ -8,9 +8,9 @@ namespace penumbra::slam {
 namespace {
 
 constexpr int kRounds = 3;
-constexpr int kIterations = 8;        // at most, per round
-constexpr double kConverged = 1e-5;   // relative decrease of the cost that ends a round
-constexpr double kNearest = 0.05;     // metres in front of the camera
+constexpr int kIterations = 8;       // at most, per round
+constexpr double kConverged = 1e-5;  // relative decrease of the cost that ends a round
+constexpr double kNearest = 0.05;    // metres in front of the camera
 constexpr double kMaxLambda = 1e6;
 
 struct NormalEquations {

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "slam/features/descriptor_matcher.h"
-#include "slam/map/projection.h"
 #include "slam/features/measurement.h"
+#include "slam/map/projection.h"
 
 namespace penumbra::slam {
 
@@ -22,7 +22,8 @@ TrackingReport Tracker::track(Frame& frame) {
   const SE3 predicted = motion_.predict(last_.T_cw, last_.timestamp, frame.timestamp);
   frame.T_cw = predicted;
   Located located;
-  // Without a known motion the search around the last pose would find far points only, which fit any small motion.
+  // Without a known motion the search around the last pose would find far points only, which fit any small
+  // motion.
   if (state_ == TrackingState::tracking && motion_.known()) {
     located = locate_from_last_frame(frame, settings_.search_radius, report);
     if (!located.success) {
@@ -31,7 +32,6 @@ TrackingReport Tracker::track(Frame& frame) {
     }
   }
   report.frame_inliers = located.inliers;
-  if (getenv("DBG")) fprintf(stderr,"%d matches %d kept %d inl %d\n",frame.index,report.frame_matches,report.filter.kept,report.frame_inliers);
   if (located.success) located = locate_in_local_map(frame);
   if (!located.success) {
     located = locate_from_keyframes(frame);
@@ -84,7 +84,8 @@ void Tracker::refresh_last_frame() {
     while (point != nullptr && point->erased) point = point->replacement;
   }
   while (reference_ != nullptr && reference_->erased) reference_ = reference_->stand_in;
-  while (newest_keyframe_ != nullptr && newest_keyframe_->erased) newest_keyframe_ = newest_keyframe_->stand_in;
+  while (newest_keyframe_ != nullptr && newest_keyframe_->erased)
+    newest_keyframe_ = newest_keyframe_->stand_in;
   map_.collect_erased();
 }
 
@@ -195,7 +196,8 @@ Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
     for (std::size_t m = 0; m < matches.size(); ++m) {
       if (!estimate.inlier[m]) continue;
-      frame.points[static_cast<std::size_t>(matches[m].feature)] = points[static_cast<std::size_t>(matches[m].source)];
+      frame.points[static_cast<std::size_t>(matches[m].feature)] =
+          points[static_cast<std::size_t>(matches[m].source)];
     }
     reference_ = keyframes[static_cast<std::size_t>(count - 1 - n)];
     return {true, estimate.inliers};
@@ -203,8 +205,8 @@ Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
   return {};
 }
 
-// The points of the keyframes that see what the frame sees, and of those keyframes' neighbours; the keyframe with
-// the most of them becomes the reference.
+// The points of the keyframes that see what the frame sees, and of those keyframes' neighbours; the keyframe
+// with the most of them becomes the reference.
 std::vector<MapPoint*> Tracker::local_points(const Frame& frame) {
   std::map<int, Covisible> votes;
   for (const MapPoint* point : frame.points) {
@@ -224,7 +226,8 @@ std::vector<MapPoint*> Tracker::local_points(const Frame& frame) {
   std::vector<KeyFrame*> keyframes;
   const auto add = [&](KeyFrame* keyframe) {
     if (static_cast<int>(keyframes.size()) >= settings_.local_keyframes) return;
-    if (std::find(keyframes.begin(), keyframes.end(), keyframe) == keyframes.end()) keyframes.push_back(keyframe);
+    if (std::find(keyframes.begin(), keyframes.end(), keyframe) == keyframes.end())
+      keyframes.push_back(keyframe);
   };
   for (const Covisible& vote : ordered) add(vote.keyframe);
   if (reference_ != nullptr) {
@@ -303,7 +306,8 @@ bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
     if (depth < 0.0F || depth > settings_.close_depth || frame.features->is_movable(i)) continue;
     ++(frame.points[static_cast<std::size_t>(i)] != nullptr ? close_tracked : close_untracked);
   }
-  if (close_tracked < settings_.fewest_close_tracked && close_untracked > settings_.most_close_untracked) return true;
+  if (close_tracked < settings_.fewest_close_tracked && close_untracked > settings_.most_close_untracked)
+    return true;
 
   // Points of the reference that have proved themselves.
   const std::size_t fewest_views = map_.keyframes().size() > 2 ? 3 : 2;

@@ -3,9 +3,9 @@
 //   predict the pose (constant velocity) -> match the last frame's points -> mismatch filter -> pose
 //     -> match the points of the local map -> pose -> keyframe?
 //
-// A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it among the
-// last keyframes (descriptor matching, PnP RANSAC). If that fails for several frames in a row although they show
-// enough, the map is continued from the predicted pose: what was computed before stays.
+// A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it among
+// the last keyframes (descriptor matching, PnP RANSAC). If that fails for several frames in a row although
+// they show enough, the map is continued from the predicted pose: what was computed before stays.
 //
 // Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017); mismatch filter: see slam/features/mismatch_filter.h.
 #pragma once
@@ -35,23 +35,23 @@ struct TrackerSettings {
   int fewest_map_inliers = 20;       // of the match to the local map
   int local_keyframes = 20;          // whose points make the local map
   int recovery_keyframes = 5;        // newest keyframes that a lost frame is compared with
-  int lost_before_restart = 5;       // lost frames in a row after which the map is continued from the prediction
+  int lost_before_restart = 5;  // lost frames in a row after which the map is continued from the prediction
   // A keyframe is made when the frame sees less than this share of the points of its reference keyframe ...
   double keyframe_share = 0.75;
   // ... or tracks few close points although many could be made, or after this many frames.
   int fewest_close_tracked = 100;
   int most_close_untracked = 70;
   int longest_keyframe_gap = 20;
-  double close_depth = 20.0;         // metres; up to which stereo depth counts as close
+  double close_depth = 20.0;  // metres; up to which stereo depth counts as close
 };
 
 struct TrackingReport {
   TrackingState state = TrackingState::initialising;
-  int frame_matches = 0;           // pairs with the last frame
-  MismatchFilterReport filter;     // what the mismatch filter did with them
-  int frame_inliers = 0;           // pairs that agree with the pose
-  int map_inliers = 0;             // map points that agree with the final pose
-  bool recovered = false;          // found again by PnP RANSAC
+  int frame_matches = 0;        // pairs with the last frame
+  MismatchFilterReport filter;  // what the mismatch filter did with them
+  int frame_inliers = 0;        // pairs that agree with the pose
+  int map_inliers = 0;          // map points that agree with the final pose
+  bool recovered = false;       // found again by PnP RANSAC
   bool wants_keyframe = false;
 };
 
@@ -92,7 +92,7 @@ class Tracker {
   TrackingState state_ = TrackingState::initialising;
   Frame last_;
   MotionModel motion_;
-  KeyFrame* reference_ = nullptr;      // the keyframe that shares the most points with the last frame
+  KeyFrame* reference_ = nullptr;  // the keyframe that shares the most points with the last frame
   KeyFrame* newest_keyframe_ = nullptr;
   int frames_since_keyframe_ = 0;
   int lost_in_a_row_ = 0;
