@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "nn/base/error.h"
 
@@ -101,28 +102,26 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
   const int gamma = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(finite.size()))));
   const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
   const double d_min = *least, d_max = *most;
-  Histogram histogram = make_histogram(distances, 0.0, (d_max - d_min) / gamma, gamma);
+  const double width = (d_max - d_min) / gamma;
+  const bool adaptive = settings.mode == MismatchFilterMode::adaptive && finite.size() >= kFewestPairs;
+  Histogram histogram;
   std::vector<char> keep_bin;
   if (settings.mode == MismatchFilterMode::paper) {
+    histogram = make_histogram(distances, 0.0, width, gamma);
     keep_bin = fullest_bins(histogram);
-  } else if (settings.mode == MismatchFilterMode::adaptive && finite.size() >= kFewestPairs) {
+  } else if (adaptive) {
     const double q1 = quantile(finite, 0.25), q3 = quantile(finite, 0.75);
     const double reach = settings.fence * (q3 - q1);
     const double from = std::max(d_min, q1 - reach), to = std::min(d_max, q3 + reach);
+    for (double& d : distances) {
+      if (d > to) d = std::numeric_limits<double>::infinity();  // outside
+    }
     histogram = make_histogram(distances, from, (to - from) / gamma, gamma);
     keep_bin = dense_bins(histogram, settings.density_share);
-    // The bin after the range holds what lies beyond its upper end.
-    if (histogram.width > 0.0) {
-      for (std::size_t i = 0; i < distances.size(); ++i) {
-        if (histogram.bin_of[i] == gamma && distances[i] > to) histogram.bin_of[i] = kOutside;
-      }
-    }
-  } else {
-    // Nothing is removed, whether or not it is in a bin.
+  } else {  // nothing is removed; the bins are for the report
+    histogram = make_histogram(distances, d_min, width, gamma);
     keep_bin.assign(histogram.counts.size(), 1);
   }
-  const bool keep_all = settings.mode == MismatchFilterMode::off ||
-                        (settings.mode == MismatchFilterMode::adaptive && finite.size() < kFewestPairs);
 
   for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
     const double from = histogram.origin + histogram.width * static_cast<double>(k);
@@ -130,14 +129,13 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
   }
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const int bin = histogram.bin_of[i];
-    const bool kept = std::isfinite(distances[i]) &&
-                      (keep_all || (bin != kOutside && keep_bin[static_cast<std::size_t>(bin)]));
+    const bool kept = bin != kOutside && keep_bin[static_cast<std::size_t>(bin)];
     keep[i] = kept;
     ++(kept ? report.kept : report.removed);
     if (bin != kOutside) {
       MismatchFilterReport::Bin& counted = report.bins[static_cast<std::size_t>(bin)];
       ++(kept ? counted.kept : counted.removed);
-    } else if (!kept) {
+    } else {
       ++report.outside;
     }
   }

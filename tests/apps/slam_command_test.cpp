@@ -1,5 +1,7 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -12,8 +14,6 @@ std::string contents(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
-
-std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 
 TEST(SlamCommand, ShowsExamples) {
   const test::ProgramResult result = test::run_penumbra("slam --help");
@@ -31,8 +31,8 @@ TEST(SlamCommand, RefusesWrongArgumentsWithExitCode2) {
 
 TEST(SlamCommand, NamesTheFolderThatIsMissing) {
   const test::TemporaryDirectory folder;
-  const test::ProgramResult result =
-      test::run_penumbra("slam " + quoted(folder / "nowhere") + " --out " + quoted(folder / "out"));
+  const test::ProgramResult result = test::run_penumbra(
+      fmt::format("slam '{}' --out '{}'", (folder / "nowhere").string(), (folder / "out").string()));
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("nowhere"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
@@ -43,8 +43,8 @@ TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {
   const test::TemporaryDirectory folder;
   for (const char* out : {"first", "second"}) {
     const test::ProgramResult result =
-        test::run_penumbra("slam " + quoted(kitti) + " --sequence 06 --frames 5:25 --out " +
-                           quoted(folder / out) + " --deterministic");
+        test::run_penumbra(fmt::format("slam '{}' --sequence 06 --frames 5:25 --out '{}' --deterministic",
+                                       kitti.string(), (folder / out).string()));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.out.find("20 frames, 20 tracked, 0 lost"), std::string::npos) << result.out;
   }
@@ -71,7 +71,7 @@ TEST(SlamCommand, KeepsWhatWasComputedBeforeATornImage) {
   std::filesystem::create_directories(copy / "image_1");
   for (const char* file : {"calib.txt", "times.txt"}) std::filesystem::copy(kitti / file, copy / file);
   for (int i = 0; i < 8; ++i) {
-    const std::string name = "00000" + std::to_string(i) + ".png";
+    const std::string name = fmt::format("{:06}.png", i);
     for (const char* side : {"image_0", "image_1"}) {
       std::filesystem::copy(kitti / side / name, copy / side / name);
     }
@@ -79,7 +79,7 @@ TEST(SlamCommand, KeepsWhatWasComputedBeforeATornImage) {
   const std::filesystem::path torn = copy / "image_1/000005.png";
   std::filesystem::resize_file(torn, std::filesystem::file_size(torn) / 2);
   const test::ProgramResult result =
-      test::run_penumbra("slam " + quoted(copy) + " --out " + quoted(folder / "out"));
+      test::run_penumbra(fmt::format("slam '{}' --out '{}'", copy.string(), (folder / "out").string()));
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("000005.png"), std::string::npos) << result.err;
   const nlohmann::json report = nlohmann::json::parse(contents(folder / "out" / "run.json"));
