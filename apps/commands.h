@@ -8,5 +8,6 @@ namespace penumbra::apps {
 
 void add_eval_command(CLI::App& app);
 void add_slam_command(CLI::App& app);
+void add_synth_command(CLI::App& app);  // penumbra synth: render a synthetic drive
 
 }  // namespace penumbra::apps

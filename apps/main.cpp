@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
 
   penumbra::apps::add_eval_command(app);
   penumbra::apps::add_slam_command(app);
+  penumbra::apps::add_synth_command(app);
 
   try {
     app.parse(argc, argv);

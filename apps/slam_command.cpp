@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "apps/commands.h"
+#include "apps/progress_bar.h"
 #include "apps/slam_report.h"
 #include "nn/base/error.h"
 #include "nn/io/image_file.h"
@@ -75,11 +76,13 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
 std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam) {
   const InterruptGuard guard;
   slam::Prefetcher frames(dataset);
+  ProgressBar progress("Tracking", dataset.size());
   while (frames.has_next()) {
     if (interrupted) return fmt::format("interrupted after {} frames", slam.results().size());
     try {
       const slam::FrameResult result = slam.process(frames.next());
       if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
+      progress.update(static_cast<int>(slam.results().size()));
       if (result.tracking.recovered) spdlog::info("frame {}: found again", result.index);
     } catch (const Error& error) {
       return error.what();

@@ -19,27 +19,14 @@ TrackingReport Tracker::track(Frame& frame) {
   }
 
   refresh_last_frame();
-  const SE3 predicted = motion_.predict(last_.T_cw, last_.timestamp, frame.timestamp);
-  frame.T_cw = predicted;
-  Located located;
-  // Without a known motion the search around the last pose would find far points only, which fit any small
-  // motion.
-  if (state_ == TrackingState::tracking && motion_.known()) {
-    located = locate_from_last_frame(frame, settings_.search_radius, report);
-    if (!located.success) {
-      frame.T_cw = predicted;
-      located = locate_from_last_frame(frame, settings_.wide_search_radius, report);
-    }
-  }
-  report.frame_inliers = located.inliers;
-  if (located.success) located = locate_in_local_map(frame);
+  const SE3 predicted = motion_.predict(previous_T_cw_, previous_time_, frame.timestamp);
+  Located located = locate_by_prediction(frame, predicted, report);
   if (!located.success) {
     located = locate_from_keyframes(frame);
     if (located.success) located = locate_in_local_map(frame);
-    report.recovered = located.success && state_ == TrackingState::lost;
   }
   report.map_inliers = located.inliers;
-
+  report.recovered = located.success && state_ == TrackingState::lost;
   if (!located.success) {
     frame.T_cw = predicted;
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
@@ -47,30 +34,40 @@ TrackingReport Tracker::track(Frame& frame) {
   finish(frame, located.success);
   report.state = state_;
   report.wants_keyframe = located.success && wants_keyframe(frame, located.inliers);
-  if (lost_in_a_row_ >= settings_.lost_before_restart && start(frame)) {
-    report.wants_keyframe = true;
-    lost_in_a_row_ = 0;
-  }
+  if (lost_with_view_ >= settings_.lost_before_restart) report.wants_keyframe = start(frame);
   return report;
 }
 
-// Begins a map, or continues one, at the frame's pose: true if it shows enough points with stereo depth.
-bool Tracker::start(Frame& frame) {
+// Whether the frame has enough stereo points to begin a map with.
+bool Tracker::shows_enough(const Frame& frame) const {
   int points = 0;
   for (int i = 0; i < frame.features->size(); ++i) {
     points += frame.features->has_stereo(i) && !frame.features->is_movable(i);
   }
-  if (points < settings_.fewest_initial_points) return false;
+  return points >= settings_.fewest_initial_points;
+}
+
+// Begins a map, or continues one, at the frame's pose: true if it shows enough points with stereo depth.
+bool Tracker::start(Frame& frame) {
+  if (!shows_enough(frame)) return false;
   state_ = TrackingState::tracking;
   motion_.forget();
-  last_ = frame;
+  remember(frame);
   return true;
+}
+
+// `frame` is located: the next one is compared with it.
+void Tracker::remember(const Frame& frame) {
+  last_ = frame;
+  previous_T_cw_ = frame.T_cw;
+  previous_time_ = frame.timestamp;
+  lost_with_view_ = 0;
 }
 
 void Tracker::set_keyframe(KeyFrame* keyframe) {
   newest_keyframe_ = reference_ = keyframe;
   frames_since_keyframe_ = 0;
-  last_.T_cw = keyframe->T_cw;
+  last_.T_cw = previous_T_cw_ = keyframe->T_cw;
   last_.reference = keyframe;
   last_.T_c_reference = SE3{};
   // The mapper has made points of the frame's features.
@@ -80,6 +77,7 @@ void Tracker::set_keyframe(KeyFrame* keyframe) {
 // The map has changed since the last frame: poses were adjusted, points merged or removed.
 void Tracker::refresh_last_frame() {
   if (last_.reference != nullptr) last_.T_cw = last_.T_c_reference * current_pose(*last_.reference);
+  if (state_ == TrackingState::tracking) previous_T_cw_ = last_.T_cw;
   for (MapPoint*& point : last_.points) {
     while (point != nullptr && point->erased) point = point->replacement;
   }
@@ -128,6 +126,21 @@ std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches, co
   return kept;
 }
 
+// Around the predicted pose: first against the last frame that was located, in a narrow and then a wide
+// window, then against the map. Without a known motion nothing is predicted: a search around the last pose
+// would find far points only, and those fit any small motion.
+Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
+  if (!motion_.known()) return {};
+  for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
+    frame.T_cw = predicted;
+    Located located = locate_from_last_frame(frame, radius, report);
+    report.frame_inliers = located.inliers;
+    if (located.success) located = locate_in_local_map(frame);
+    if (located.success) return located;
+  }
+  return {};
+}
+
 Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, TrackingReport& report) {
   FrameMatcherSettings search;
   search.radius = radius;
@@ -155,19 +168,24 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
   if (estimate.inliers < settings_.fewest_frame_inliers) return {false, estimate.inliers};
   frame.T_cw = estimate.T_cw;
   std::fill(frame.points.begin(), frame.points.end(), nullptr);
+  unmapped_.clear();
   for (std::size_t m = 0; m < matches.size(); ++m) {
     if (!estimate.inlier[m]) continue;
-    frame.points[static_cast<std::size_t>(matches[m].feature)] =
-        last_.points[static_cast<std::size_t>(matches[m].source)];
+    MapPoint* point = last_.points[static_cast<std::size_t>(matches[m].source)];
+    frame.points[static_cast<std::size_t>(matches[m].feature)] = point;
+    if (point == nullptr) unmapped_.emplace_back(matches[m].feature, observations[m]);
   }
   return {true, estimate.inliers};
 }
 
-// Without a useful prediction: compares descriptors with the newest keyframes, one after the other.
+// Without a useful prediction: compares descriptors with the newest keyframes and takes the pose that most
+// agree on.
 Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
   const auto scope = timer_.measure("recover");
+  unmapped_.clear();
   const std::vector<KeyFrame*>& keyframes = map_.keyframes();
   const int count = static_cast<int>(keyframes.size());
+  Located best;
   for (int n = 0; n < std::min(settings_.recovery_keyframes, count); ++n) {
     const KeyFrame& keyframe = *keyframes[static_cast<std::size_t>(count - 1 - n)];
     std::vector<Descriptor> descriptors;
@@ -191,7 +209,8 @@ Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
     const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
     if (!pnp) continue;
     const PoseEstimate estimate = optimize_pose(camera_, pnp->T_cw, observations);
-    if (estimate.inliers < settings_.fewest_frame_inliers) continue;
+    if (estimate.inliers < settings_.fewest_frame_inliers || estimate.inliers <= best.inliers) continue;
+    best = {true, estimate.inliers};
     frame.T_cw = estimate.T_cw;
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
     for (std::size_t m = 0; m < matches.size(); ++m) {
@@ -200,9 +219,8 @@ Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
           points[static_cast<std::size_t>(matches[m].source)];
     }
     reference_ = keyframes[static_cast<std::size_t>(count - 1 - n)];
-    return {true, estimate.inliers};
   }
-  return {};
+  return best;
 }
 
 // The points of the keyframes that see what the frame sees, and of those keyframes' neighbours; the keyframe
@@ -284,8 +302,14 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
     features.push_back(i);
     observations.push_back({point->position, measurement_of(*frame.features, i, map_.scales())});
   }
+  // Far points hold the rotation, also those that are in no map yet.
+  for (const auto& [feature, observation] : unmapped_) {
+    if (frame.points[static_cast<std::size_t>(feature)] == nullptr) observations.push_back(observation);
+  }
   const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
-  if (estimate.inliers < settings_.fewest_map_inliers) return {false, estimate.inliers};
+  const int inliers = static_cast<int>(std::count(
+      estimate.inlier.begin(), estimate.inlier.begin() + static_cast<std::ptrdiff_t>(features.size()), 1));
+  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
   frame.T_cw = estimate.T_cw;
   for (std::size_t k = 0; k < features.size(); ++k) {
     MapPoint*& point = frame.points[static_cast<std::size_t>(features[k])];
@@ -295,7 +319,7 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
       point = nullptr;
     }
   }
-  return {true, estimate.inliers};
+  return {true, inliers};
 }
 
 bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
@@ -320,20 +344,21 @@ bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
 
 void Tracker::finish(Frame& frame, bool located) {
   ++frames_since_keyframe_;
+  frame.reference = reference_;
+  frame.T_c_reference = frame.T_cw * current_pose(*reference_).inverse();
   if (located) {
-    // The motion over frames that were lost is no velocity.
+    // The motion since a frame that was lost is no velocity.
     if (state_ == TrackingState::tracking) {
       motion_.observe(frame.T_cw, last_.T_cw, last_.timestamp, frame.timestamp);
     }
     state_ = TrackingState::tracking;
-    lost_in_a_row_ = 0;
+    remember(frame);
   } else {
     state_ = TrackingState::lost;
-    ++lost_in_a_row_;
+    previous_T_cw_ = frame.T_cw;
+    previous_time_ = frame.timestamp;
+    lost_with_view_ += shows_enough(frame);
   }
-  frame.reference = reference_;
-  frame.T_c_reference = frame.T_cw * current_pose(*reference_).inverse();
-  last_ = frame;
 }
 
 }  // namespace penumbra::slam

@@ -35,7 +35,8 @@ struct TrackerSettings {
   int fewest_map_inliers = 20;       // of the match to the local map
   int local_keyframes = 20;          // whose points make the local map
   int recovery_keyframes = 5;        // newest keyframes that a lost frame is compared with
-  int lost_before_restart = 5;  // lost frames in a row after which the map is continued from the prediction
+  int lost_before_restart =
+      5;  // lost frames with enough points after which the map is continued from the prediction
   // A keyframe is made when the frame sees less than this share of the points of its reference keyframe ...
   double keyframe_share = 0.75;
   // ... or tracks few close points although many could be made, or after this many frames.
@@ -72,8 +73,11 @@ class Tracker {
     int inliers = 0;
   };
 
+  bool shows_enough(const Frame& frame) const;
   bool start(Frame& frame);
+  void remember(const Frame& frame);
   void refresh_last_frame();
+  Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
   Located locate_from_keyframes(Frame& frame);
   Located locate_in_local_map(Frame& frame);
@@ -90,12 +94,16 @@ class Tracker {
   StageTimer& timer_;
 
   TrackingState state_ = TrackingState::initialising;
-  Frame last_;
+  Frame last_;                  // the last frame that was located
+  SE3 previous_T_cw_;           // of the frame before this one, located or predicted
+  double previous_time_ = 0.0;  // seconds
+  // Pairs with the last frame that agree with its pose but show no map point (far ones, mostly).
+  std::vector<std::pair<int, PoseObservation>> unmapped_;
   MotionModel motion_;
   KeyFrame* reference_ = nullptr;  // the keyframe that shares the most points with the last frame
   KeyFrame* newest_keyframe_ = nullptr;
   int frames_since_keyframe_ = 0;
-  int lost_in_a_row_ = 0;
+  int lost_with_view_ = 0;  // lost frames in a row that showed enough to begin a map
 };
 
 }  // namespace penumbra::slam

@@ -1,0 +1,24 @@
+// The things that stand in a street, each as one object of a few convex bodies; sizes, shapes and colours
+// come from `random`. The caller sets the pose; instance numbers are given by the builder.
+#pragma once
+
+#include "slam/datasets/synthetic/noise.h"
+#include "slam/datasets/synthetic/world.h"
+
+namespace penumbra::slam::synthetic {
+
+// A car (saloon, hatchback, estate, off-roader or van) looking along +z.
+Object& add_car(World& world, RandomSequence& random);
+// A walking person looking along +z.
+Object& add_person(World& world, RandomSequence& random);
+// A house `width` metres wide (along z) and `depth` deep (along x), with its front towards -x.
+Object& add_house(World& world, RandomSequence& random, float width, float depth);
+// A trunk with four to six crowns of leaves.
+Object& add_tree(World& world, RandomSequence& random);
+// A street lamp that reaches towards -x, a traffic sign that looks along -z, a bin, a hedge along z.
+Object& add_lamp(World& world, RandomSequence& random);
+Object& add_sign(World& world, RandomSequence& random);
+Object& add_bin(World& world, RandomSequence& random);
+Object& add_hedge(World& world, RandomSequence& random, float length);
+
+}  // namespace penumbra::slam::synthetic

@@ -1,0 +1,105 @@
+// penumbra synth: the layout it writes and how it refuses.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+
+#include "tests/support/test_data.h"
+
+namespace penumbra::test {
+namespace {
+
+int lines_in(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return static_cast<int>(std::count(std::istreambuf_iterator<char>(file), {}, '\n'));
+}
+
+TEST(Synth, WritesTheKittiLayout) {
+  const TemporaryDirectory folder;
+  const std::string out = (folder / "street").string();
+  const ProgramResult result = run_penumbra("synth --frames 3 --size 310x94 --colour --depth --out " + out);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.err.empty()) << "no progress bar without a terminal: " << result.err;
+
+  const std::filesystem::path sequence = folder / "street/sequences/00";
+  for (const char* images : {"image_0", "image_1", "image_2", "image_3", "instances", "depth"}) {
+    for (const char* name : {"000000.png", "000001.png", "000002.png"}) {
+      const cv::Mat image = cv::imread((sequence / images / name).string(), cv::IMREAD_UNCHANGED);
+      ASSERT_EQ(image.size(), cv::Size(310, 94)) << images << "/" << name;
+      const std::string kind = images;
+      const int type = kind == "instances" || kind == "depth"   ? CV_16UC1
+                       : kind == "image_2" || kind == "image_3" ? CV_8UC3
+                                                                : CV_8UC1;
+      EXPECT_EQ(image.type(), type) << images;
+    }
+  }
+  EXPECT_EQ(lines_in(sequence / "times.txt"), 3);
+  EXPECT_EQ(lines_in(folder / "street/poses/00.txt"), 3);
+  EXPECT_EQ(lines_in(sequence / "calib.txt"), 4);
+
+  // The first pose is the identity, P1 holds the baseline.
+  std::ifstream poses(folder / "street/poses/00.txt");
+  for (int i = 0; i < 12; ++i) {
+    double value = 0.0;
+    poses >> value;
+    EXPECT_NEAR(value, i % 5 == 0 ? 1.0 : 0.0, 1e-9);
+  }
+  std::ifstream calibration(sequence / "calib.txt");
+  std::string line, name;
+  std::getline(calibration, line);
+  double p1[12];
+  calibration >> name;
+  for (double& value : p1) calibration >> value;
+  EXPECT_EQ(name, "P1:");
+  EXPECT_NEAR(-p1[3] / p1[0], 0.537, 1e-9);
+
+  // Every id of the masks is explained.
+  const auto instances = nlohmann::json::parse(std::ifstream(sequence / "instances.json"));
+  const cv::Mat1w mask = cv::imread((sequence / "instances/000000.png").string(), cv::IMREAD_UNCHANGED);
+  std::set<int> ids(mask.begin(), mask.end());
+  EXPECT_GT(ids.size(), 2U);
+  for (const int id : ids) {
+    if (id == 0) continue;
+    const auto& entry = instances.at(std::to_string(id));
+    EXPECT_TRUE(entry.at("class") == "car" || entry.at("class") == "person");
+    EXPECT_TRUE(entry.at("moving").is_boolean());
+  }
+}
+
+TEST(Synth, RefusesAFolderWithFilesUnlessToldToOverwrite) {
+  const TemporaryDirectory folder;
+  const std::string arguments = "synth --size 64x32 --out " + folder.path().string();
+  std::ofstream(folder / "notes.txt") << "keep me";
+  const ProgramResult refused = run_penumbra(arguments + " --frames 2");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("--overwrite"), std::string::npos) << refused.err;
+  EXPECT_EQ(run_penumbra(arguments + " --frames 2 --overwrite").exit_code, 0);
+  EXPECT_EQ(run_penumbra(arguments + " --frames 1 --overwrite").exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "sequences/00/image_0/000001.png"));  // of the longer run
+  EXPECT_TRUE(std::filesystem::exists(folder / "notes.txt"));
+}
+
+TEST(Synth, WrongArgumentsGiveExitCode2AndBadFiles1) {
+  const TemporaryDirectory folder;
+  const std::string out = " --out " + (folder / "street").string();
+  EXPECT_EQ(run_penumbra("synth").exit_code, 2);
+  for (const char* wrong : {"--size 620", "--size 620x", "--size ax188", "--size 620x188x3", "--size 0x0",
+                            "--size 99999x99999", "--size -620x188", "--frames 0", "--frames -3",
+                            "--frames many", "--preset jungle", "--path spiral", "--seed -1"}) {
+    EXPECT_EQ(run_penumbra(std::string("synth ") + wrong + out).exit_code, 2) << wrong;
+  }
+  const ProgramResult missing = run_penumbra("synth --path no/such/poses.txt" + out);
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_NE(missing.err.find("no/such/poses.txt"), std::string::npos);
+  std::ofstream(folder / "poses.txt") << "1 2 3\n";
+  EXPECT_EQ(run_penumbra("synth --path " + (folder / "poses.txt").string() + out).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "street"));
+  std::ofstream(folder / "file") << "x";
+  EXPECT_EQ(run_penumbra("synth --frames 1 --out " + (folder / "file").string()).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace penumbra::test
