@@ -6,6 +6,7 @@
 
 namespace penumbra::apps {
 
+void add_slam_command(CLI::App& app);     // a stereo sequence to a trajectory and a map
 void add_segment_command(CLI::App& app);  // find object instances in images
 void add_synth_command(CLI::App& app);    // render a synthetic drive
 void add_eval_command(CLI::App& app);     // compare a trajectory with the ground truth

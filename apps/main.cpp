@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Run `penumbra COMMAND --help` for a command's options and examples.");
 
+  penumbra::apps::add_slam_command(app);
   penumbra::apps::add_segment_command(app);
   penumbra::apps::add_synth_command(app);
   penumbra::apps::add_eval_command(app);

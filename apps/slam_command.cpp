@@ -1,0 +1,219 @@
+// penumbra slam: from a stereo sequence to a trajectory and a map.
+
+#include <fmt/core.h>
+#include <omp.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "apps/commands.h"
+#include "apps/compute_options.h"
+#include "apps/progress_bar.h"
+#include "apps/segmenter.h"
+#include "apps/slam_report.h"
+#include "nn/base/error.h"
+#include "nn/io/image_file.h"
+#include "slam/datasets/open_dataset.h"
+#include "slam/datasets/prefetcher.h"
+#include "slam/evaluation/trajectory_plot.h"
+#include "slam/geometry/trajectory_io.h"
+#include "slam/map/ply.h"
+#include "slam/slam.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  penumbra slam kitti --sequence 00 --out out/00
+  penumbra slam kitti --sequence 06 --frames 0:50 --filter off --out out/06
+  penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
+
+Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), map.ply (points and
+keyframes), trajectory.png (seen from above), run.json (settings, counts, times, errors against the ground truth).)";
+
+struct SlamOptions {
+  std::string dataset, out, sequence, frames, weights, classes;
+  std::string format = "auto", filter = "adaptive";
+  bool no_segmentation = false, deterministic = false;
+  int features = 0, threads = omp_get_max_threads(), segment_every = 1;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// While it lives, Ctrl-C ends the loop over the frames instead of the program.
+class InterruptGuard {
+ public:
+  InterruptGuard() : before_(std::signal(SIGINT, [](int) { interrupted = 1; })) {}
+  ~InterruptGuard() { std::signal(SIGINT, before_); }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+// An empty one where none is asked for.
+slam::Segmenter make_segmenter(const SlamOptions& options) {
+  if (options.no_segmentation || options.weights.empty()) return {};
+  return load_segmenter(options.weights, options.classes);
+}
+
+slam::SlamSettings make_settings(const SlamOptions& options) {
+  slam::SlamSettings settings;
+  settings.orb.features = options.features;
+  settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
+  settings.semantics.interval = options.segment_every;
+  settings.threads = options.deterministic ? 1 : options.threads;
+  return settings;
+}
+
+// Runs until the end, Ctrl-C or the first frame that cannot be read; returns what stopped it, empty at the
+// end.
+std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam) {
+  const InterruptGuard guard;
+  slam::Prefetcher frames(dataset);
+  ProgressBar progress("Tracking", dataset.size());
+  while (frames.has_next()) {
+    if (interrupted) return fmt::format("interrupted after {} frames", slam.results().size());
+    try {
+      const slam::FrameResult result = slam.process(frames.next());
+      if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
+      progress.update(static_cast<int>(slam.results().size()));
+      if (result.tracking.recovered) spdlog::info("frame {}: found again", result.index);
+    } catch (const Error& error) {
+      return error.what();
+    }
+  }
+  return {};
+}
+
+// The ground truth of the frames that were processed, moved so that it starts where the estimate starts.
+slam::Trajectory ground_truth_in_estimate(const slam::StereoDataset& dataset,
+                                          const slam::Trajectory& estimate) {
+  if (!dataset.ground_truth() || estimate.empty()) return {};
+  slam::Trajectory truth(dataset.ground_truth()->begin(),
+                         dataset.ground_truth()->begin() + static_cast<std::ptrdiff_t>(estimate.size()));
+  const slam::SE3 moved = estimate.front().T_wc * truth.front().T_wc.inverse();
+  for (slam::TimedPose& pose : truth) pose.T_wc = moved * pose.T_wc;
+  return truth;
+}
+
+std::optional<slam::Evaluation> evaluate(const slam::Trajectory& truth, const slam::Trajectory& estimate) {
+  if (truth.size() < 2) return std::nullopt;
+  slam::EvaluationOptions options;
+  // Short pieces have no segment of a hundred metres.
+  if (slam::path_length(truth) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
+  return slam::evaluate_trajectory(truth, estimate, options);
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+}
+
+void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
+                   const slam::Slam& slam, SlamRun& run) {
+  const slam::Trajectory estimate = slam.trajectory();
+  const slam::Trajectory truth = ground_truth_in_estimate(dataset, estimate);
+  run.evaluation = evaluate(truth, estimate);
+  if (!estimate.empty()) {
+    slam::write_kitti_poses(out / "trajectory_kitti.txt", estimate);
+    slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
+    slam::TrajectoryPlotOptions plot;
+    plot.title = dataset.name();
+    nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
+  }
+  slam::write_ply(out / "map.ply", slam.map());
+  write_text(out / "run.json", slam_report(run, slam).dump(2) + "\n");
+}
+
+void print_summary(const nlohmann::json& report, const std::filesystem::path& out) {
+  fmt::print("{}: {} frames, {} tracked, {} lost, {} keyframes, {} map points, {:.1f} ms a frame (median)\n",
+             report["dataset"].get<std::string>(), report["frames"].get<int>(), report["tracked"].get<int>(),
+             report["lost"].get<int>(), report["keyframes"].get<int>(), report["map_points"].get<int>(),
+             report.value("median_ms", 0.0));
+  if (report.contains("ground_truth")) {
+    const nlohmann::json& truth = report["ground_truth"];
+    fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse", truth["path_m"].get<double>(),
+               truth["ape_rmse_m"].get<double>());
+    if (truth.contains("t_rel_percent")) {
+      fmt::print(", drift {:.2f} % and {:.2f} deg/100 m", truth["t_rel_percent"].get<double>(),
+                 truth["r_rel_deg_per_100m"].get<double>());
+    }
+    fmt::print("\n");
+  }
+  fmt::print("results in {}\n", out.string());
+}
+
+void run_slam(const SlamOptions& options) {
+  SlamRun run;
+  run.settings = make_settings(options);
+  run.deterministic = options.deterministic;
+  slam::DatasetOptions dataset_options;
+  dataset_options.format = slam::parse_dataset_format(options.format);
+  dataset_options.sequence = options.sequence;
+  if (!options.frames.empty()) dataset_options.frames = slam::parse_frame_range(options.frames);
+
+  const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset, dataset_options);
+  run.dataset = dataset->name();
+  const slam::Segmenter segmenter = make_segmenter(options);
+  run.segmentation = static_cast<bool>(segmenter);
+  const std::filesystem::path out = options.out;
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error) throw Error(fmt::format("{}: cannot be made: {}", out.string(), error.message()));
+
+  omp_set_num_threads(run.settings.threads);
+  cv::setNumThreads(1);  // the frames' two images are the parallel work
+  slam::Slam slam(dataset->camera(), run.settings, segmenter);
+  run.error = process_frames(*dataset, slam);
+  write_results(out, *dataset, slam, run);
+  print_summary(slam_report(run, slam), out);
+  if (!run.error.empty()) throw Error(run.error);
+}
+
+}  // namespace
+
+void add_slam_command(CLI::App& app) {
+  const auto options = std::make_shared<SlamOptions>();
+  CLI::App* command =
+      app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo sequence");
+  command->footer(kExamples);
+  command->add_option("dataset", options->dataset, "folder of the sequence")->required();
+  command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
+  command->add_option("--format", options->format, "layout of the dataset")
+      ->check(CLI::IsMember({"auto", "kitti"}))
+      ->capture_default_str();
+  command->add_option("--sequence", options->sequence,
+                      "which one, where the folder holds several, such as 00");
+  command->add_option("--frames", options->frames, "A:B, frames A to B-1 only");
+  command->add_option("--weights", options->weights,
+                      "Mask R-CNN weights: features on movable things are left out");
+  command->add_option("--classes", options->classes,
+                      "file of the weights' class names, one a line (default: the weights' own, or COCO)");
+  command->add_flag("--no-segmentation", options->no_segmentation, "run without masks");
+  command->add_option("--segment-every", options->segment_every, "segment every n-th frame")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--filter", options->filter, "histogram mismatch filter")
+      ->check(CLI::IsMember({"off", "paper", "adaptive"}))
+      ->capture_default_str();
+  command->add_option("--features", options->features, "features per image; 0 chooses by the image's size")
+      ->check(CLI::Range(0, 20000))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "threads (default: all processors)")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  add_isa_option(command);
+  command->add_flag("--deterministic", options->deterministic, "one thread; results repeat bit for bit");
+  command->callback([options] { run_slam(*options); });
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,74 @@
+#include "apps/slam_report.h"
+
+#include <cmath>
+
+namespace penumbra::apps {
+
+namespace {
+
+// Times need no more digits than a clock has.
+double rounded(double milliseconds) { return std::round(milliseconds * 1000.0) / 1000.0; }
+
+nlohmann::json settings_json(const SlamRun& run) {
+  const slam::SlamSettings& s = run.settings;
+  return {{"features", s.orb.features},
+          {"pyramid_levels", s.orb.pyramid.levels},
+          {"scale_factor", s.orb.pyramid.scale_factor},
+          {"mismatch_filter", slam::name_of(s.tracker.mismatch_filter.mode)},
+          {"segmentation", run.segmentation},
+          {"segmentation_interval", s.semantics.interval},
+          {"threads", s.threads},
+          {"deterministic", run.deterministic},
+          {"local_bundle_window", s.mapper.bundle.window}};
+}
+
+nlohmann::json ground_truth_json(const slam::Evaluation& e) {
+  nlohmann::json json = {{"ape_rmse_m", e.ape.rmse}, {"path_m", e.kitti.path_length}};
+  std::vector<double> lengths;
+  for (const slam::SegmentDrift& drift : e.kitti.by_length) lengths.push_back(drift.length);
+  json["segments_m"] = lengths;
+  if (e.kitti.overall.count > 0) {
+    json["t_rel_percent"] = e.kitti.overall.translation;
+    json["r_rel_deg_per_100m"] = e.kitti.overall.rotation;
+  }
+  return json;
+}
+
+}  // namespace
+
+nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
+  int filter_kept = 0, filter_removed = 0;
+  std::vector<int> lost_frames;
+  for (const slam::FrameResult& result : slam.results()) {
+    filter_kept += result.tracking.filter.kept;
+    filter_removed += result.tracking.filter.removed;
+    if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
+  }
+  int map_points = 0;
+  for (const auto& point : slam.map().points()) map_points += !point->erased;
+
+  nlohmann::json json;
+  json["dataset"] = run.dataset;
+  if (!run.error.empty()) json["error"] = run.error;
+  json["settings"] = settings_json(run);
+  json["frames"] = slam.results().size();
+  json["tracked"] = slam.tracked();
+  json["lost"] = slam.lost();
+  json["lost_frames"] = lost_frames;
+  json["keyframes"] = slam.map().keyframes().size();
+  json["map_points"] = map_points;
+  for (const auto& [stage, times] : slam.timer().stages()) {
+    const double median = rounded(slam::quantile_of(times, 0.5));
+    if (stage == "frame") {
+      json["median_ms"] = median;
+      json["p95_ms"] = rounded(slam::quantile_of(times, 0.95));
+    } else {
+      json["stages"][stage] = median;
+    }
+  }
+  json["mismatch_filter"] = {{"kept", filter_kept}, {"removed", filter_removed}};
+  if (run.evaluation) json["ground_truth"] = ground_truth_json(*run.evaluation);
+  return json;
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,44 @@
+// An image at falling resolutions: level l is the full image divided by s^l (bilinear, from the level below).
+//
+//   width_l = round(width / s^l);   pixel centres:  u_0 = (u_l + 1/2) width / width_l - 1/2
+//
+// The half pixels matter: without them a feature of level 7 sits 1.3 pixels off in the full image.
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace penumbra::slam {
+
+struct PyramidSettings {
+  int levels = 8;
+  double scale_factor = 1.2;  // s, above 1
+};
+
+// s^l for l = 0..levels-1: the size of a pixel of level l in pixels of the full image. It is also the
+// standard deviation (pixels) that is assumed for a corner found on level l.
+std::vector<double> level_scales(const PyramidSettings& settings);
+
+class ImagePyramid {
+ public:
+  // `grey`: 8-bit, one channel; level 0 refers to its pixels without a copy. Levels that would be narrower or
+  // lower than `smallest` pixels are left out. The memory of the last call is reused.
+  void build(const cv::Mat& grey, const PyramidSettings& settings, int smallest = 1);
+
+  int levels() const { return used_; }
+  const cv::Mat& level(int l) const { return images_[static_cast<std::size_t>(l)]; }
+
+  // Position on level l to the full image, and back.
+  Eigen::Vector2f to_full(const Eigen::Vector2f& p, int l) const;
+  Eigen::Vector2f to_level(const Eigen::Vector2f& p, int l) const;
+  // Width of a pixel of level l in the full image.
+  float scale_x(int l) const { return ratios_[static_cast<std::size_t>(l)].x(); }
+
+ private:
+  std::vector<cv::Mat> images_;
+  std::vector<Eigen::Vector2f> ratios_;  // size of the full image over the size of the level
+  int used_ = 0;
+};
+
+}  // namespace penumbra::slam

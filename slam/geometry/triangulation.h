@@ -1,0 +1,35 @@
+// The point that two or more rays see.
+//
+// Linear triangulation: with T_cw = [R | t] and the normalised pixel (x, y) = ((u - cx)/fx, (v - cy)/fy)
+// every view gives two rows   x (r3 X + t3) - (r1 X + t1) = 0,   y (r3 X + t3) - (r2 X + t2) = 0; their
+// least-squares solution in X. Source: Hartley, Zisserman, Multiple View Geometry (2004), section 12.2.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+
+#include "slam/geometry/se3.h"
+#include "slam/geometry/stereo_camera.h"
+
+namespace penumbra::slam {
+
+struct View {
+  SE3 T_cw;
+  Eigen::Vector2d pixel;
+};
+
+// Point in the world; nothing where the rays are parallel or the point is behind a camera.
+std::optional<Eigen::Vector3d> triangulate(const StereoCamera& camera, std::span<const View> views);
+
+// Cosine of the angle between the rays of two views, 1 where they are parallel.
+double ray_cosine(const StereoCamera& camera, const View& a, const View& b);
+
+// F with x_b^T F x_a = 0 for pixels (homogeneous) of views a and b of one camera; Hartley, Zisserman (9.2).
+Eigen::Matrix3d fundamental_matrix(const StereoCamera& camera, const SE3& T_aw, const SE3& T_bw);
+
+// Squared distance (pixels^2) of pixel `b` from the epipolar line of pixel `a`.
+double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a,
+                                 const Eigen::Vector2d& b);
+
+}  // namespace penumbra::slam

@@ -1,0 +1,46 @@
+// A frame that the map remembers: its features, the points they show, and its place in the covisibility
+// graph.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "slam/features/frame_features.h"
+#include "slam/geometry/se3.h"
+#include "slam/map/map_point.h"
+
+namespace penumbra::slam {
+
+// Edge of the covisibility graph: the other keyframe and how many points both see.
+struct Covisible {
+  KeyFrame* keyframe = nullptr;
+  int shared_points = 0;
+};
+
+// Owned and changed by Map and the mapper; everybody else reads.
+struct KeyFrame {
+  int id = 0;
+  int frame_index = 0;     // frame of the sequence
+  double timestamp = 0.0;  // seconds
+  SE3 T_cw;
+  std::shared_ptr<const FrameFeatures> features;
+  std::vector<MapPoint*> points;      // per feature; nullptr where it shows no point
+  std::vector<Covisible> covisibles;  // most shared points first
+
+  // An erased keyframe keeps only its place relative to the keyframe that stands in for it.
+  bool erased = false;
+  KeyFrame* stand_in = nullptr;
+  SE3 T_c_stand_in;
+};
+
+// Pose of a keyframe, erased or not, from its stand-ins' present poses.
+inline SE3 current_pose(const KeyFrame& keyframe) {
+  SE3 T = keyframe.erased ? keyframe.T_c_stand_in : keyframe.T_cw;
+  for (const KeyFrame* k = &keyframe; k->erased;) {
+    k = k->stand_in;
+    T = T * (k->erased ? k->T_c_stand_in : k->T_cw);
+  }
+  return T;
+}
+
+}  // namespace penumbra::slam

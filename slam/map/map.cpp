@@ -1,0 +1,191 @@
+#include "slam/map/map.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace penumbra::slam {
+
+namespace {
+
+// Keyframes that share fewer points are no neighbours, except the best one.
+constexpr int kFewestShared = 15;
+
+std::vector<Observation>::const_iterator lower_bound(const MapPoint& point, const KeyFrame& keyframe) {
+  return std::lower_bound(point.observations.begin(), point.observations.end(), keyframe.id,
+                          [](const Observation& o, int id) { return o.keyframe->id < id; });
+}
+
+// Orders by shared points, and by age where they are equal: independent of addresses.
+void sort_covisibles(std::vector<Covisible>& edges) {
+  std::sort(edges.begin(), edges.end(), [](const Covisible& a, const Covisible& b) {
+    return a.shared_points != b.shared_points ? a.shared_points > b.shared_points
+                                              : a.keyframe->id < b.keyframe->id;
+  });
+}
+
+void remove_edge(KeyFrame* from, const KeyFrame* to) {
+  std::erase_if(from->covisibles, [&](const Covisible& c) { return c.keyframe == to; });
+}
+
+// The descriptor with the smallest median distance to the others.
+Descriptor typical_descriptor(const MapPoint& point) {
+  const auto descriptor = [](const Observation& o) -> const Descriptor& {
+    return o.keyframe->features->descriptor(o.feature);
+  };
+  const std::size_t n = point.observations.size();
+  std::vector<int> distances(n);
+  int best_median = std::numeric_limits<int>::max();
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      distances[j] = hamming_distance(descriptor(point.observations[i]), descriptor(point.observations[j]));
+    }
+    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(n / 2),
+                     distances.end());
+    if (distances[n / 2] < best_median) {
+      best_median = distances[n / 2];
+      best = i;
+    }
+  }
+  return descriptor(point.observations[best]);
+}
+
+}  // namespace
+
+int observing_feature(const MapPoint& point, const KeyFrame& keyframe) {
+  const auto at = lower_bound(point, keyframe);
+  return at != point.observations.end() && at->keyframe == &keyframe ? at->feature : -1;
+}
+
+KeyFrame* Map::add_keyframe(int frame_index, double timestamp, const SE3& T_cw,
+                            std::shared_ptr<const FrameFeatures> features) {
+  auto keyframe = std::make_unique<KeyFrame>();
+  keyframe->id = static_cast<int>(keyframes_.size());
+  keyframe->frame_index = frame_index;
+  keyframe->timestamp = timestamp;
+  keyframe->T_cw = T_cw;
+  keyframe->points.assign(static_cast<std::size_t>(features->size()), nullptr);
+  keyframe->features = std::move(features);
+  keyframes_.push_back(std::move(keyframe));
+  active_keyframes_.push_back(keyframes_.back().get());
+  return active_keyframes_.back();
+}
+
+MapPoint* Map::add_point(const Eigen::Vector3d& position, KeyFrame* keyframe, int feature) {
+  auto point = std::make_unique<MapPoint>();
+  point->id = next_point_id_++;
+  point->position = position;
+  point->first_keyframe = keyframe->id;
+  point->colour = keyframe->features->colour[static_cast<std::size_t>(feature)];
+  points_.push_back(std::move(point));
+  MapPoint* added = points_.back().get();
+  add_observation(added, keyframe, feature);
+  update_point(added);
+  return added;
+}
+
+void Map::add_observation(MapPoint* point, KeyFrame* keyframe, int feature) {
+  MapPoint*& slot = keyframe->points[static_cast<std::size_t>(feature)];
+  if (slot != nullptr || observing_feature(*point, *keyframe) >= 0) return;
+  slot = point;
+  point->observations.insert(lower_bound(*point, *keyframe), {keyframe, feature});
+}
+
+void Map::remove_observation(MapPoint* point, KeyFrame* keyframe) {
+  const auto at = lower_bound(*point, *keyframe);
+  if (at == point->observations.end() || at->keyframe != keyframe) return;
+  keyframe->points[static_cast<std::size_t>(at->feature)] = nullptr;
+  point->observations.erase(at);
+  const bool stereo =
+      std::any_of(point->observations.begin(), point->observations.end(),
+                  [](const Observation& o) { return o.keyframe->features->has_stereo(o.feature); });
+  if (point->observations.empty() || (point->observations.size() < 2 && !stereo)) erase_point(point);
+}
+
+void Map::erase_point(MapPoint* point) {
+  if (point->erased) return;
+  point->erased = true;
+  for (const Observation& o : point->observations) {
+    o.keyframe->points[static_cast<std::size_t>(o.feature)] = nullptr;
+  }
+  point->observations.clear();
+}
+
+void Map::merge_points(MapPoint* from, MapPoint* into) {
+  if (from == into || from->erased || into->erased) return;
+  const std::vector<Observation> observations = from->observations;
+  into->visible += from->visible;
+  into->found += from->found;
+  erase_point(from);
+  from->replacement = into;
+  for (const Observation& o : observations) add_observation(into, o.keyframe, o.feature);
+  update_point(into);
+}
+
+void Map::erase_keyframe(KeyFrame* keyframe) {
+  if (keyframe->erased || keyframe->id == 0 || active_keyframes_.size() < 2) return;
+  // The closest neighbour stands in; without one, the keyframe before it.
+  KeyFrame* stand_in = nullptr;
+  if (!keyframe->covisibles.empty()) {
+    stand_in = keyframe->covisibles.front().keyframe;
+  } else {
+    const auto at = std::find(active_keyframes_.begin(), active_keyframes_.end(), keyframe);
+    stand_in = at != active_keyframes_.begin() ? *(at - 1) : *(at + 1);
+  }
+  for (MapPoint* point : std::vector<MapPoint*>(keyframe->points)) {
+    if (point != nullptr) remove_observation(point, keyframe);
+  }
+  for (const Covisible& c : keyframe->covisibles) remove_edge(c.keyframe, keyframe);
+  std::erase(active_keyframes_, keyframe);
+  keyframe->erased = true;
+  keyframe->stand_in = stand_in;
+  keyframe->T_c_stand_in = keyframe->T_cw * stand_in->T_cw.inverse();
+  keyframe->covisibles = {};
+  keyframe->points = {};
+  keyframe->features.reset();
+}
+
+void Map::update_point(MapPoint* point) const {
+  if (point->erased || point->observations.empty()) return;
+  point->descriptor = typical_descriptor(*point);
+  point->normal.setZero();
+  for (const Observation& o : point->observations) {
+    point->normal += (point->position - o.keyframe->T_cw.inverse().translation).normalized();
+  }
+  point->normal.normalize();
+  const Observation& first = point->observations.front();
+  const double distance = (first.keyframe->T_cw * point->position).norm();
+  const int level = first.keyframe->features->keypoint(first.feature).level;
+  point->reference_distance = distance * scales_[static_cast<std::size_t>(level)];
+}
+
+void Map::update_covisibility(KeyFrame* keyframe) {
+  std::map<int, Covisible> shared;  // by id: an order that repeats
+  for (const MapPoint* point : keyframe->points) {
+    if (point == nullptr) continue;
+    for (const Observation& o : point->observations) {
+      if (o.keyframe == keyframe) continue;
+      Covisible& edge = shared[o.keyframe->id];
+      edge.keyframe = o.keyframe;
+      ++edge.shared_points;
+    }
+  }
+  int most = 0;
+  for (const auto& [id, edge] : shared) most = std::max(most, edge.shared_points);
+  for (const Covisible& old : keyframe->covisibles) remove_edge(old.keyframe, keyframe);
+  keyframe->covisibles.clear();
+  for (const auto& [id, edge] : shared) {
+    if (edge.shared_points < std::min(kFewestShared, most)) continue;
+    keyframe->covisibles.push_back(edge);
+    edge.keyframe->covisibles.push_back({keyframe, edge.shared_points});
+    sort_covisibles(edge.keyframe->covisibles);
+  }
+  sort_covisibles(keyframe->covisibles);
+}
+
+void Map::collect_erased() {
+  std::erase_if(points_, [](const std::unique_ptr<MapPoint>& p) { return p->erased; });
+}
+
+}  // namespace penumbra::slam

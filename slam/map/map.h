@@ -1,0 +1,66 @@
+// The map: keyframes, points, who sees what, and the covisibility graph. Owns them all; every change of the
+// structure goes through here, so that both directions (point -> keyframes, keyframe -> points) always agree.
+//
+// Erased points stay in memory until collect_erased(): whoever holds a pointer to one can still see that it
+// is erased and what replaced it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "slam/geometry/stereo_camera.h"
+#include "slam/map/keyframe.h"
+#include "slam/map/map_point.h"
+
+namespace penumbra::slam {
+
+class Map {
+ public:
+  // `scales`: level_scales of the pyramid.
+  explicit Map(std::vector<double> scales) : scales_(std::move(scales)) {}
+  Map(const Map&) = delete;
+  Map& operator=(const Map&) = delete;
+
+  // Pixel sizes of the pyramid's levels.
+  const std::vector<double>& scales() const { return scales_; }
+
+  // In the order they were made, without the erased ones.
+  const std::vector<KeyFrame*>& keyframes() const { return active_keyframes_; }
+  const std::vector<std::unique_ptr<MapPoint>>& points() const { return points_; }
+
+  KeyFrame* add_keyframe(int frame_index, double timestamp, const SE3& T_cw,
+                         std::shared_ptr<const FrameFeatures> features);
+  // A new point that `feature` of `keyframe` shows.
+  MapPoint* add_point(const Eigen::Vector3d& position, KeyFrame* keyframe, int feature);
+
+  // Nothing happens where the keyframe already sees the point or the feature already shows another one.
+  void add_observation(MapPoint* point, KeyFrame* keyframe, int feature);
+  // Erases the point, too, where fewer than two observations are left, unless the last has stereo depth.
+  void remove_observation(MapPoint* point, KeyFrame* keyframe);
+  void erase_point(MapPoint* point);
+  // All that `from` was is now part of `into`.
+  void merge_points(MapPoint* from, MapPoint* into);
+  // The first keyframe is never erased: it holds the world's origin.
+  void erase_keyframe(KeyFrame* keyframe);
+
+  // Recomputes a point's descriptor, normal and reference distance after its observations or position
+  // changed.
+  void update_point(MapPoint* point) const;
+  // Recomputes a keyframe's edges, on both ends.
+  void update_covisibility(KeyFrame* keyframe);
+
+  // Frees the erased points. No pointer to one may be used afterwards.
+  void collect_erased();
+
+ private:
+  std::vector<double> scales_;
+  std::vector<std::unique_ptr<KeyFrame>> keyframes_;  // also the erased ones
+  std::vector<KeyFrame*> active_keyframes_;
+  std::vector<std::unique_ptr<MapPoint>> points_;
+  int next_point_id_ = 0;
+};
+
+// Index of `keyframe`'s feature that shows `point`; -1 where none does.
+int observing_feature(const MapPoint& point, const KeyFrame& keyframe);
+
+}  // namespace penumbra::slam

@@ -1,0 +1,208 @@
+#include "slam/mapping/bundle_adjustment.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <limits>
+
+namespace penumbra::slam {
+
+namespace {
+
+using Matrix63 = Eigen::Matrix<double, 6, 3>;
+
+constexpr double kNearest = 0.05;    // metres in front of the camera
+constexpr double kBehindCost = 100;  // cost, in gates, of a point behind the camera
+constexpr double kMaxLambda = 1e8;
+
+class Solver {
+ public:
+  Solver(const BundleProblem& problem, bool robust) : problem_(problem), robust_(robust) {
+    for (const char fixed : problem.pose_fixed) slot_.push_back(fixed ? -1 : free_poses_++);
+    const std::size_t points = problem.points.size();
+    U_.resize(static_cast<std::size_t>(free_poses_));
+    V_.resize(points);
+    V_inverse_.resize(points);
+    g_points_.resize(points);
+    W_.resize(problem.observations.size());
+    begin_.assign(points + 1, 0);
+    for (const BundleObservation& o : problem.observations) ++begin_[static_cast<std::size_t>(o.point) + 1];
+    for (std::size_t j = 1; j < begin_.size(); ++j) begin_[j] += begin_[j - 1];
+  }
+
+  double cost(const std::vector<SE3>& poses, const std::vector<Eigen::Vector3d>& points) const {
+    double sum = 0.0;
+    for (const BundleObservation& o : problem_.observations) {
+      if (!o.active) continue;
+      const PixelMeasurement& z = o.measurement;
+      const Eigen::Vector3d p = poses[std::size_t(o.pose)] * points[std::size_t(o.point)];
+      if (p.z() < kNearest) {
+        sum += kBehindCost * z.gate();
+      } else {
+        sum += huber(reprojection_error(problem_.camera, p, z).squaredNorm() * z.inverse_variance, bound(z))
+                   .cost;
+      }
+    }
+    return sum;
+  }
+
+  // U, V, W and the gradients at the problem's present state.
+  void linearize() {
+    std::fill(U_.begin(), U_.end(), Matrix6d::Zero());
+    g_poses_ = Eigen::VectorXd::Zero(6 * free_poses_);
+    for (std::size_t j = 0; j < V_.size(); ++j) {
+      V_[j].setZero();
+      g_points_[j].setZero();
+      for (int i = begin_[j]; i < begin_[j + 1]; ++i) linearize(static_cast<std::size_t>(i), j);
+    }
+  }
+
+  // Solves the damped equations; false where they are singular.
+  bool solve(double lambda, BundleStep& step) {
+    const int n = 6 * free_poses_;
+    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);  // upper triangle
+    Eigen::VectorXd right = -g_poses_;
+    for (int a = 0; a < free_poses_; ++a) {
+      S.block<6, 6>(6 * a, 6 * a) = U_[std::size_t(a)];
+      S.block<6, 6>(6 * a, 6 * a).diagonal() *= 1.0 + lambda;
+    }
+    for (std::size_t j = 0; j < V_.size(); ++j) eliminate(j, lambda, S, right);
+    Eigen::VectorXd dx = Eigen::VectorXd::Zero(n);
+    if (n > 0) {
+      const Eigen::LDLT<Eigen::MatrixXd, Eigen::Upper> factor(S);
+      if (factor.info() != Eigen::Success) return false;
+      dx = factor.solve(right);
+      if (!dx.allFinite()) return false;
+    }
+
+    step.poses.assign(slot_.size(), Vector6d::Zero());
+    for (std::size_t i = 0; i < slot_.size(); ++i) {
+      if (slot_[i] >= 0) step.poses[i] = dx.segment<6>(6 * slot_[i]);
+    }
+    step.points.assign(V_.size(), Eigen::Vector3d::Zero());
+    for (std::size_t j = 0; j < V_.size(); ++j) {
+      Eigen::Vector3d sum = g_points_[j];
+      for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
+        const int a = free_slot(static_cast<std::size_t>(i));
+        if (a >= 0) sum.noalias() += W_[std::size_t(i)].transpose() * dx.segment<6>(6 * a);
+      }
+      step.points[j] = -(V_inverse_[j] * sum);
+      if (!step.points[j].allFinite()) return false;
+    }
+    return true;
+  }
+
+ private:
+  double bound(const PixelMeasurement& z) const {
+    return robust_ ? z.gate() : std::numeric_limits<double>::infinity();
+  }
+
+  // Slot of the observation's pose among the free ones; -1 for a fixed pose or an observation that is left
+  // out.
+  int free_slot(std::size_t i) const {
+    const BundleObservation& o = problem_.observations[i];
+    return o.active ? slot_[std::size_t(o.pose)] : -1;
+  }
+
+  void linearize(std::size_t i, std::size_t j) {
+    const BundleObservation& o = problem_.observations[i];
+    W_[i].setZero();
+    if (!o.active) return;
+    const PixelMeasurement& z = o.measurement;
+    const SE3& T_cw = problem_.poses[std::size_t(o.pose)];
+    const Eigen::Vector3d p = T_cw * problem_.points[j];
+    if (p.z() < kNearest) return;
+    const Eigen::Vector3d e = reprojection_error(problem_.camera, p, z);
+    const double weight = huber(e.squaredNorm() * z.inverse_variance, bound(z)).weight * z.inverse_variance;
+    const Eigen::Matrix3d J_pi = projection_jacobian(problem_.camera, p, z.stereo);
+    const Eigen::Matrix3d J_point = J_pi * T_cw.rotation;
+    V_[j].noalias() += weight * J_point.transpose() * J_point;
+    g_points_[j].noalias() += weight * J_point.transpose() * e;
+    const int a = slot_[std::size_t(o.pose)];
+    if (a < 0) return;
+    const Eigen::Matrix<double, 3, 6> J_pose = pose_jacobian(J_pi, p);
+    U_[std::size_t(a)].noalias() += weight * J_pose.transpose() * J_pose;
+    g_poses_.segment<6>(6 * a).noalias() += weight * J_pose.transpose() * e;
+    W_[i].noalias() = weight * J_pose.transpose() * J_point;
+  }
+
+  // Takes point j out of the equations of the poses.
+  void eliminate(std::size_t j, double lambda, Eigen::MatrixXd& S, Eigen::VectorXd& right) {
+    Eigen::Matrix3d V = V_[j];
+    V.diagonal() *= 1.0 + lambda;
+    // A direction that nothing measures (a point that is not seen, say) stays where it is.
+    V.diagonal().array() += 1e-9;
+    V_inverse_[j] = V.inverse();
+    for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
+      const int a = free_slot(std::size_t(i));
+      if (a < 0) continue;
+      const Matrix63 Y = W_[std::size_t(i)] * V_inverse_[j];
+      right.segment<6>(6 * a).noalias() += Y * g_points_[j];
+      for (int k = begin_[j]; k < begin_[j + 1]; ++k) {
+        const int b = free_slot(std::size_t(k));
+        if (b >= a) S.block<6, 6>(6 * a, 6 * b).noalias() -= Y * W_[std::size_t(k)].transpose();
+      }
+    }
+  }
+
+  const BundleProblem& problem_;
+  const bool robust_;
+  int free_poses_ = 0;
+  std::vector<int> slot_;   // pose -> place among the free ones; -1 where it is fixed
+  std::vector<int> begin_;  // point -> its first observation; one more at the end
+  std::vector<Matrix6d> U_;
+  std::vector<Eigen::Matrix3d> V_, V_inverse_;
+  std::vector<Matrix63> W_;  // per observation
+  Eigen::VectorXd g_poses_;
+  std::vector<Eigen::Vector3d> g_points_;
+};
+
+}  // namespace
+
+BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings) {
+  Solver solver(problem, settings.robust);
+  BundleSummary summary;
+  summary.initial_cost = summary.final_cost = solver.cost(problem.poses, problem.points);
+  double lambda = settings.initial_lambda;
+  BundleStep step;
+  bool linearized = false;
+  while (summary.iterations < settings.iterations && lambda < kMaxLambda) {
+    ++summary.iterations;
+    if (!linearized) solver.linearize();
+    linearized = true;
+    if (!solver.solve(lambda, step)) {
+      lambda *= 100.0;
+      continue;
+    }
+    std::vector<SE3> poses = problem.poses;
+    std::vector<Eigen::Vector3d> points = problem.points;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (problem.pose_fixed[i]) continue;
+      poses[i] = SE3::exp(step.poses[i]) * poses[i];
+      poses[i].normalize();
+    }
+    for (std::size_t j = 0; j < points.size(); ++j) points[j] += step.points[j];
+    const double cost = solver.cost(poses, points);
+    if (!(cost <= summary.final_cost)) {
+      lambda *= 10.0;
+      continue;
+    }
+    const bool converged = summary.final_cost - cost <= settings.converged * summary.final_cost;
+    problem.poses.swap(poses);
+    problem.points.swap(points);
+    summary.final_cost = cost;
+    lambda = std::max(lambda * 0.1, 1e-10);
+    linearized = false;
+    if (converged) break;
+  }
+  return summary;
+}
+
+BundleStep bundle_step(const BundleProblem& problem, bool robust, double lambda) {
+  Solver solver(problem, robust);
+  solver.linearize();
+  BundleStep step;
+  if (!solver.solve(lambda, step)) return {};
+  return step;
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,29 @@
+// Bundle adjustment of the map around one keyframe.
+//
+// Free: the keyframe, its closest covisible keyframes, and all points that they see. Fixed: other keyframes
+// that see those points; they hold the window in its place. The map's first keyframe is always fixed. Two
+// passes: with the Huber kernel, then without it and without the observations beyond their chi-square gate;
+// observations that are beyond it at the end leave the map.
+// Source: Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section VI-D.
+#pragma once
+
+#include "slam/geometry/stereo_camera.h"
+#include "slam/map/map.h"
+
+namespace penumbra::slam {
+
+struct LocalBundleSettings {
+  int window = 10;            // free keyframes, the new one included
+  int border = 20;            // fixed keyframes at most; those that share the most points with the window
+  int robust_iterations = 5;  // at most, with the Huber kernel
+  int iterations = 5;         // at most, without
+};
+
+struct LocalBundleReport {
+  int free_keyframes = 0, fixed_keyframes = 0, points = 0, observations = 0, removed_observations = 0;
+};
+
+LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
+                                      const LocalBundleSettings& settings);
+
+}  // namespace penumbra::slam

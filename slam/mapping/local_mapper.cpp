@@ -1,0 +1,137 @@
+#include "slam/mapping/local_mapper.h"
+
+#include <algorithm>
+
+#include "slam/features/measurement.h"
+#include "slam/map/projection.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+// A point is on probation until this many keyframes have followed the one that made it.
+constexpr int kProbation = 3;
+// Views that a point needs to stay, where a stereo view counts twice.
+constexpr int kLeastWeight = 4;
+
+int weight_of(const MapPoint& point) {
+  int weight = 0;
+  for (const Observation& o : point.observations)
+    weight += o.keyframe->features->has_stereo(o.feature) ? 2 : 1;
+  return weight;
+}
+
+}  // namespace
+
+void LocalMapper::process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked) {
+  connect(keyframe, tracked);
+  cull_recent_points(*keyframe);
+  create_stereo_points(camera_, keyframe, map_, settings_.point_creation);
+  triangulate_with_neighbours(camera_, keyframe, map_, settings_.point_creation);
+  fuse_with_neighbours(keyframe);
+  adjust_local_bundle(camera_, keyframe, map_, settings_.bundle);
+  cull_keyframes(*keyframe);
+}
+
+void LocalMapper::connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked) {
+  for (std::size_t i = 0; i < tracked.size(); ++i) {
+    MapPoint* point = tracked[i];
+    if (point == nullptr || point->erased) continue;
+    map_.add_observation(point, keyframe, static_cast<int>(i));
+    map_.update_point(point);
+  }
+  map_.update_covisibility(keyframe);
+}
+
+void LocalMapper::cull_recent_points(const KeyFrame& newest) {
+  // The points are in the order of their ids, and so of their keyframes.
+  const auto& points = map_.points();
+  auto at = std::lower_bound(points.begin(), points.end(), first_unproven_,
+                             [](const std::unique_ptr<MapPoint>& p, int id) { return p->id < id; });
+  for (; at != points.end(); ++at) {
+    MapPoint* point = at->get();
+    const int age = newest.id - point->first_keyframe;
+    if (age >= kProbation && first_unproven_ <= point->id) first_unproven_ = point->id + 1;
+    if (point->erased) continue;
+    const bool seldom_found = point->found_ratio() < settings_.least_found_ratio;
+    const bool seldom_seen = age >= kProbation - 1 && weight_of(*point) < kLeastWeight;
+    if (seldom_found || seldom_seen) map_.erase_point(point);
+  }
+}
+
+void LocalMapper::fuse_with_neighbours(KeyFrame* keyframe) {
+  const std::vector<Covisible> covisibles = keyframe->covisibles;
+  for (int n = 0; n < settings_.fuse_neighbours && n < static_cast<int>(covisibles.size()); ++n) {
+    KeyFrame* neighbour = covisibles[static_cast<std::size_t>(n)].keyframe;
+    fuse_into(neighbour, std::vector<MapPoint*>(keyframe->points));
+    fuse_into(keyframe, std::vector<MapPoint*>(neighbour->points));
+  }
+  for (MapPoint* point : keyframe->points) {
+    if (point != nullptr) map_.update_point(point);
+  }
+  map_.update_covisibility(keyframe);
+}
+
+// Looks for the points in the keyframe: what is found becomes an observation, or is merged with the point
+// that is there already.
+void LocalMapper::fuse_into(KeyFrame* keyframe, const std::vector<MapPoint*>& points) {
+  FrameMatcherSettings settings;
+  settings.radius = 3.0F;
+  settings.max_distance = 50;
+  settings.ratio = 1.0F;
+  settings.check_rotation = false;
+  std::vector<Projection> projections;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    MapPoint* point = points[i];
+    if (point == nullptr || point->erased || observing_feature(*point, *keyframe) >= 0) continue;
+    std::optional<Projection> projection = project_point(camera_, keyframe->T_cw, *point, map_.scales());
+    if (!projection) continue;
+    projection->source = static_cast<int>(i);
+    projections.push_back(*projection);
+  }
+  for (const Match& match :
+       match_projections(projections, *keyframe->features, {}, map_.scales(), settings)) {
+    MapPoint* point = points[static_cast<std::size_t>(match.source)];
+    if (point->erased) continue;
+    const PixelMeasurement z = measurement_of(*keyframe->features, match.feature, map_.scales());
+    const Eigen::Vector3d e = reprojection_error(camera_, keyframe->T_cw * point->position, z);
+    if (e.squaredNorm() * z.inverse_variance > z.gate()) continue;
+    MapPoint* present = keyframe->points[static_cast<std::size_t>(match.feature)];
+    if (present == nullptr) {
+      map_.add_observation(point, keyframe, match.feature);
+    } else if (present->observations.size() >= point->observations.size()) {
+      map_.merge_points(point, present);
+    } else {
+      map_.merge_points(present, point);
+    }
+  }
+}
+
+void LocalMapper::cull_keyframes(const KeyFrame& newest) {
+  for (const Covisible& c : std::vector<Covisible>(newest.covisibles)) {
+    // The one before the newest stays: the tracker may still lean on it.
+    if (c.keyframe->id == 0 || c.keyframe->id >= newest.id - 1) continue;
+    if (is_redundant(*c.keyframe)) map_.erase_keyframe(c.keyframe);
+  }
+}
+
+bool LocalMapper::is_redundant(const KeyFrame& keyframe) const {
+  constexpr int kOthers = 3;
+  const double close = close_depth(camera_, settings_.point_creation);
+  int points = 0, redundant = 0;
+  for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
+    const MapPoint* point = keyframe.points[i];
+    const float depth = keyframe.features->depth[i];
+    if (point == nullptr || depth < 0.0F || depth > close) continue;
+    ++points;
+    const int level = keyframe.features->keypoint(static_cast<int>(i)).level;
+    int others = 0;
+    for (const Observation& o : point->observations) {
+      others += o.keyframe != &keyframe && o.keyframe->features->keypoint(o.feature).level <= level + 1;
+    }
+    redundant += others >= kOthers;
+  }
+  return points > 0 && redundant > settings_.redundant_share * points;
+}
+
+}  // namespace penumbra::slam

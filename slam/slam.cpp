@@ -1,0 +1,171 @@
+#include "slam/slam.h"
+
+#include <cmath>
+#include <future>
+#include <opencv2/imgproc.hpp>
+
+#include "nn/base/error.h"
+#include "slam/semantics/movable.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+const StereoCamera& checked(const StereoCamera& camera) {
+  const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
+  if (!positive(camera.fx) || !positive(camera.fy) || !positive(camera.baseline) ||
+      !std::isfinite(camera.cx) || !std::isfinite(camera.cy) || camera.width <= 0 || camera.height <= 0) {
+    throw InputError("stereo camera", "focal lengths, baseline and image size above zero",
+                     fmt::format("fx {} fy {} cx {} cy {} baseline {} size {}x{}", camera.fx, camera.fy,
+                                 camera.cx, camera.cy, camera.baseline, camera.width, camera.height));
+  }
+  return camera;
+}
+
+void check_image(const cv::Mat& image, const StereoCamera& camera, int index, const char* side) {
+  if (image.cols == camera.width && image.rows == camera.height && image.depth() == CV_8U &&
+      (image.channels() == 1 || image.channels() == 3)) {
+    return;
+  }
+  throw InputError(fmt::format("frame {}, {} image", index, side),
+                   fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
+                   fmt::format("{}x{} with {} channels, depth code {}", image.cols, image.rows,
+                               image.channels(), image.depth()));
+}
+
+cv::Mat to_grey(const cv::Mat& image) {
+  if (image.channels() == 1) return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+// Colour of the image at each keypoint.
+std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
+                                                    const std::vector<Keypoint>& keypoints) {
+  std::vector<std::array<std::uint8_t, 3>> colours;
+  colours.reserve(keypoints.size());
+  for (const Keypoint& k : keypoints) {
+    const int x = static_cast<int>(std::lround(k.u)), y = static_cast<int>(std::lround(k.v));
+    if (image.channels() == 3) {
+      const cv::Vec3b c = image.at<cv::Vec3b>(y, x);
+      colours.push_back({c[0], c[1], c[2]});
+    } else {
+      const std::uint8_t grey = image.at<std::uint8_t>(y, x);
+      colours.push_back({grey, grey, grey});
+    }
+  }
+  return colours;
+}
+
+TrackerSettings tracker_settings(const SlamSettings& settings, const StereoCamera& camera) {
+  TrackerSettings tracker = settings.tracker;
+  tracker.close_depth = close_depth(camera, settings.mapper.point_creation);
+  return tracker;
+}
+
+}  // namespace
+
+Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter)
+    : camera_(checked(camera)),
+      settings_(settings),
+      segmenter_(std::move(segmenter)),
+      left_orb_(settings.orb),
+      right_orb_(settings.orb),
+      map_(level_scales(settings.orb.pyramid)),
+      mapper_(camera_, map_, settings.mapper),
+      tracker_(camera_, map_, tracker_settings(settings, camera_), timer_) {}
+
+FrameResult Slam::process(const StereoImages& images) {
+  check_image(images.left, camera_, images.index, "left");
+  check_image(images.right, camera_, images.index, "right");
+  const auto scope = timer_.measure("frame");
+  FrameResult result;
+  result.index = images.index;
+
+  const std::shared_ptr<FrameFeatures> features = measure(images);
+  mark_movable(images, *features);
+  Frame frame;
+  frame.index = images.index;
+  frame.timestamp = images.timestamp;
+  frame.features = features;
+  result.tracking = tracker_.track(frame);
+  result.keyframe = result.tracking.wants_keyframe;
+  if (result.keyframe) insert_keyframe(frame);
+
+  result.features = features->size();
+  for (int i = 0; i < features->size(); ++i) {
+    result.stereo_features += features->has_stereo(i);
+    result.movable_features += features->is_movable(i);
+  }
+  entries_.push_back({frame.timestamp, frame.reference, frame.T_c_reference});
+  results_.push_back(result);
+  return result;
+}
+
+std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
+  auto measured = std::make_shared<FrameFeatures>();
+  const cv::Mat left = to_grey(images.left), right = to_grey(images.right);
+  Features right_features;
+  {
+    const auto scope = timer_.measure("orb");
+    const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
+    std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_features); });
+    left_orb_.extract(left, measured->left);
+    right_done.get();
+  }
+  const auto scope = timer_.measure("stereo");
+  StereoMatches stereo;
+  match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
+  measured->u_right = std::move(stereo.u_right);
+  measured->depth = std::move(stereo.depth);
+  measured->movable.assign(measured->left.keypoints.size(), 0);
+  measured->colour = colours_at(images.left, measured->left.keypoints);
+  measured->grid = FeatureGrid(measured->left.keypoints, camera_.width, camera_.height);
+  return measured;
+}
+
+void Slam::mark_movable(const StereoImages& images, FrameFeatures& features) {
+  const int interval = std::max(1, settings_.semantics.interval);
+  if (!segmenter_ || results_.size() % static_cast<std::size_t>(interval) != 0) return;
+  const auto scope = timer_.measure("segmentation");
+  mark_movable_features(segmenter_(images.left), features.left.keypoints, settings_.semantics.least_score,
+                        settings_.semantics.margin, features.movable);
+}
+
+void Slam::insert_keyframe(Frame& frame) {
+  const auto scope = timer_.measure("mapping");
+  KeyFrame* keyframe = map_.add_keyframe(frame.index, frame.timestamp, frame.T_cw, frame.features);
+  mapper_.process(keyframe, frame.points);
+  tracker_.set_keyframe(keyframe);
+  frame.reference = keyframe;
+  frame.T_c_reference = SE3{};
+}
+
+Trajectory Slam::trajectory() const {
+  Trajectory trajectory;
+  trajectory.reserve(entries_.size());
+  for (const TrajectoryEntry& entry : entries_) {
+    SE3 T_cw;
+    if (entry.reference != nullptr) T_cw = entry.T_c_reference * current_pose(*entry.reference);
+    T_cw.normalize();
+    trajectory.push_back({entry.timestamp, T_cw.inverse()});
+  }
+  return trajectory;
+}
+
+Trajectory Slam::keyframe_trajectory() const {
+  Trajectory trajectory;
+  for (const KeyFrame* keyframe : map_.keyframes()) {
+    trajectory.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});
+  }
+  return trajectory;
+}
+
+int Slam::count(TrackingState state) const {
+  int n = 0;
+  for (const FrameResult& result : results_) n += result.tracking.state == state;
+  return n;
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,25 @@
+// One stereo frame on its way through the tracker.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "slam/features/frame_features.h"
+#include "slam/geometry/se3.h"
+#include "slam/map/keyframe.h"
+
+namespace penumbra::slam {
+
+struct Frame {
+  int index = 0;           // in the sequence
+  double timestamp = 0.0;  // seconds
+  std::shared_ptr<const FrameFeatures> features;
+  SE3 T_cw;
+  std::vector<MapPoint*> points;  // per feature: the map point it shows, or nullptr
+
+  // Where it is relative to a keyframe: keyframes move when the map is adjusted, and the frame moves along.
+  const KeyFrame* reference = nullptr;
+  SE3 T_c_reference;
+};
+
+}  // namespace penumbra::slam

@@ -1,0 +1,364 @@
+#include "slam/tracking/tracker.h"
+
+#include <algorithm>
+#include <map>
+
+#include "slam/features/descriptor_matcher.h"
+#include "slam/features/measurement.h"
+#include "slam/map/projection.h"
+
+namespace penumbra::slam {
+
+TrackingReport Tracker::track(Frame& frame) {
+  TrackingReport report;
+  frame.points.assign(static_cast<std::size_t>(frame.features->size()), nullptr);
+  if (state_ == TrackingState::initialising) {
+    report.wants_keyframe = start(frame);
+    report.state = state_;
+    return report;
+  }
+
+  refresh_last_frame();
+  const SE3 predicted = motion_.predict(previous_T_cw_, previous_time_, frame.timestamp);
+  Located located = locate_by_prediction(frame, predicted, report);
+  if (!located.success) {
+    located = locate_from_keyframes(frame);
+    if (located.success) located = locate_in_local_map(frame);
+  }
+  report.map_inliers = located.inliers;
+  report.recovered = located.success && state_ == TrackingState::lost;
+  if (!located.success) {
+    frame.T_cw = predicted;
+    std::fill(frame.points.begin(), frame.points.end(), nullptr);
+  }
+  finish(frame, located.success);
+  report.state = state_;
+  report.wants_keyframe = located.success && wants_keyframe(frame, located.inliers);
+  if (lost_with_view_ >= settings_.lost_before_restart) report.wants_keyframe = start(frame);
+  return report;
+}
+
+// Whether the frame has enough stereo points to begin a map with.
+bool Tracker::shows_enough(const Frame& frame) const {
+  int points = 0;
+  for (int i = 0; i < frame.features->size(); ++i) {
+    points += frame.features->has_stereo(i) && !frame.features->is_movable(i);
+  }
+  return points >= settings_.fewest_initial_points;
+}
+
+// Begins a map, or continues one, at the frame's pose: true if it shows enough points with stereo depth.
+bool Tracker::start(Frame& frame) {
+  if (!shows_enough(frame)) return false;
+  state_ = TrackingState::tracking;
+  motion_.forget();
+  remember(frame);
+  return true;
+}
+
+// `frame` is located: the next one is compared with it.
+void Tracker::remember(const Frame& frame) {
+  last_ = frame;
+  previous_T_cw_ = frame.T_cw;
+  previous_time_ = frame.timestamp;
+  lost_with_view_ = 0;
+}
+
+void Tracker::set_keyframe(KeyFrame* keyframe) {
+  newest_keyframe_ = reference_ = keyframe;
+  frames_since_keyframe_ = 0;
+  last_.T_cw = previous_T_cw_ = keyframe->T_cw;
+  last_.reference = keyframe;
+  last_.T_c_reference = SE3{};
+  // The mapper has made points of the frame's features.
+  last_.points = keyframe->points;
+}
+
+// The map has changed since the last frame: poses were adjusted, points merged or removed.
+void Tracker::refresh_last_frame() {
+  if (last_.reference != nullptr) last_.T_cw = last_.T_c_reference * current_pose(*last_.reference);
+  if (state_ == TrackingState::tracking) previous_T_cw_ = last_.T_cw;
+  for (MapPoint*& point : last_.points) {
+    while (point != nullptr && point->erased) point = point->replacement;
+  }
+  while (reference_ != nullptr && reference_->erased) reference_ = reference_->stand_in;
+  while (newest_keyframe_ != nullptr && newest_keyframe_->erased)
+    newest_keyframe_ = newest_keyframe_->stand_in;
+  map_.collect_erased();
+}
+
+// Every feature of the last frame whose place in space is known, from the map or from its own stereo depth.
+std::vector<Projection> Tracker::project_last_frame(const SE3& T_cw) const {
+  const SE3 T_cl = T_cw * last_.T_cw.inverse();
+  const FrameFeatures& features = *last_.features;
+  std::vector<Projection> projections;
+  for (int i = 0; i < features.size(); ++i) {
+    const MapPoint* point = last_.points[static_cast<std::size_t>(i)];
+    if (features.is_movable(i) || (point == nullptr && !features.has_stereo(i))) continue;
+    const Keypoint& k = features.keypoint(i);
+    const Eigen::Vector3d p =
+        point != nullptr ? T_cw * point->position
+                         : T_cl * camera_.back_project(k.u, k.v, features.depth[static_cast<std::size_t>(i)]);
+    if (!(p.z() > 0.0)) continue;
+    const Eigen::Vector3d pixel = camera_.project_stereo(p);
+    if (!camera_.in_image(pixel.head<2>())) continue;
+    projections.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
+                           static_cast<float>(pixel.z()), k.level, k.angle, &features.descriptor(i), i});
+  }
+  return projections;
+}
+
+std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches, const Frame& frame,
+                                           TrackingReport& report) const {
+  std::vector<MatchedPixels> pairs;
+  for (const Match& match : matches) {
+    const Keypoint& a = last_.features->keypoint(match.source);
+    const Keypoint& b = frame.features->keypoint(match.feature);
+    pairs.push_back({{a.u, a.v}, {b.u, b.v}});
+  }
+  std::vector<char> keep;
+  report.frame_matches = static_cast<int>(matches.size());
+  report.filter = filter_mismatches(pairs, settings_.mismatch_filter, keep);
+  std::vector<Match> kept;
+  for (std::size_t m = 0; m < matches.size(); ++m) {
+    if (keep[m]) kept.push_back(matches[m]);
+  }
+  return kept;
+}
+
+// Around the predicted pose: first against the last frame that was located, in a narrow and then a wide
+// window, then against the map. Without a known motion nothing is predicted: a search around the last pose
+// would find far points only, and those fit any small motion.
+Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
+  if (!motion_.known()) return {};
+  for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
+    frame.T_cw = predicted;
+    Located located = locate_from_last_frame(frame, radius, report);
+    report.frame_inliers = located.inliers;
+    if (located.success) located = locate_in_local_map(frame);
+    if (located.success) return located;
+  }
+  return {};
+}
+
+Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, TrackingReport& report) {
+  FrameMatcherSettings search;
+  search.radius = radius;
+  std::vector<Match> matches;
+  {
+    const auto scope = timer_.measure("match_last_frame");
+    matches = match_projections(project_last_frame(frame.T_cw), *frame.features, {}, map_.scales(), search);
+  }
+  {
+    const auto scope = timer_.measure("mismatch_filter");
+    matches = filter_matches(matches, frame, report);
+  }
+  const auto scope = timer_.measure("pose");
+  const SE3 T_wl = last_.T_cw.inverse();
+  std::vector<PoseObservation> observations;
+  for (const Match& match : matches) {
+    const std::size_t i = static_cast<std::size_t>(match.source);
+    const Keypoint& k = last_.features->keypoint(match.source);
+    const Eigen::Vector3d point = last_.points[i] != nullptr
+                                      ? last_.points[i]->position
+                                      : T_wl * camera_.back_project(k.u, k.v, last_.features->depth[i]);
+    observations.push_back({point, measurement_of(*frame.features, match.feature, map_.scales())});
+  }
+  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
+  if (estimate.inliers < settings_.fewest_frame_inliers) return {false, estimate.inliers};
+  frame.T_cw = estimate.T_cw;
+  std::fill(frame.points.begin(), frame.points.end(), nullptr);
+  unmapped_.clear();
+  for (std::size_t m = 0; m < matches.size(); ++m) {
+    if (!estimate.inlier[m]) continue;
+    MapPoint* point = last_.points[static_cast<std::size_t>(matches[m].source)];
+    frame.points[static_cast<std::size_t>(matches[m].feature)] = point;
+    if (point == nullptr) unmapped_.emplace_back(matches[m].feature, observations[m]);
+  }
+  return {true, estimate.inliers};
+}
+
+// Without a useful prediction: compares descriptors with the newest keyframes and takes the pose that most
+// agree on.
+Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
+  const auto scope = timer_.measure("recover");
+  unmapped_.clear();
+  const std::vector<KeyFrame*>& keyframes = map_.keyframes();
+  const int count = static_cast<int>(keyframes.size());
+  Located best;
+  for (int n = 0; n < std::min(settings_.recovery_keyframes, count); ++n) {
+    const KeyFrame& keyframe = *keyframes[static_cast<std::size_t>(count - 1 - n)];
+    std::vector<Descriptor> descriptors;
+    std::vector<MapPoint*> points;
+    for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
+      if (keyframe.points[i] == nullptr) continue;
+      points.push_back(keyframe.points[i]);
+      descriptors.push_back(keyframe.features->descriptor(static_cast<int>(i)));
+    }
+    std::vector<PoseObservation> observations;
+    std::vector<Match> matches;
+    for (const Match& match : match_descriptors(descriptors, frame.features->left.descriptors, {})) {
+      if (frame.features->is_movable(match.feature)) continue;
+      matches.push_back(match);
+      observations.push_back({points[static_cast<std::size_t>(match.source)]->position,
+                              measurement_of(*frame.features, match.feature, map_.scales())});
+    }
+    PnpRansacSettings ransac;
+    ransac.seed = static_cast<std::uint64_t>(frame.index);
+    ransac.fewest_inliers = settings_.fewest_frame_inliers;
+    const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
+    if (!pnp) continue;
+    const PoseEstimate estimate = optimize_pose(camera_, pnp->T_cw, observations);
+    if (estimate.inliers < settings_.fewest_frame_inliers || estimate.inliers <= best.inliers) continue;
+    best = {true, estimate.inliers};
+    frame.T_cw = estimate.T_cw;
+    std::fill(frame.points.begin(), frame.points.end(), nullptr);
+    for (std::size_t m = 0; m < matches.size(); ++m) {
+      if (!estimate.inlier[m]) continue;
+      frame.points[static_cast<std::size_t>(matches[m].feature)] =
+          points[static_cast<std::size_t>(matches[m].source)];
+    }
+    reference_ = keyframes[static_cast<std::size_t>(count - 1 - n)];
+  }
+  return best;
+}
+
+// The points of the keyframes that see what the frame sees, and of those keyframes' neighbours; the keyframe
+// with the most of them becomes the reference.
+std::vector<MapPoint*> Tracker::local_points(const Frame& frame) {
+  std::map<int, Covisible> votes;
+  for (const MapPoint* point : frame.points) {
+    if (point == nullptr) continue;
+    for (const Observation& o : point->observations) {
+      Covisible& vote = votes[o.keyframe->id];
+      vote.keyframe = o.keyframe;
+      ++vote.shared_points;
+    }
+  }
+  std::vector<Covisible> ordered;
+  for (const auto& [id, vote] : votes) ordered.push_back(vote);
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const Covisible& a, const Covisible& b) { return a.shared_points > b.shared_points; });
+  if (!ordered.empty()) reference_ = ordered.front().keyframe;
+
+  std::vector<KeyFrame*> keyframes;
+  const auto add = [&](KeyFrame* keyframe) {
+    if (static_cast<int>(keyframes.size()) >= settings_.local_keyframes) return;
+    if (std::find(keyframes.begin(), keyframes.end(), keyframe) == keyframes.end())
+      keyframes.push_back(keyframe);
+  };
+  for (const Covisible& vote : ordered) add(vote.keyframe);
+  if (reference_ != nullptr) {
+    add(reference_);
+    for (const Covisible& c : reference_->covisibles) add(c.keyframe);
+  }
+
+  std::vector<MapPoint*> points;
+  for (const KeyFrame* keyframe : keyframes) {
+    for (MapPoint* point : keyframe->points) {
+      if (point != nullptr) points.push_back(point);
+    }
+  }
+  std::sort(points.begin(), points.end(), [](const MapPoint* a, const MapPoint* b) { return a->id < b->id; });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
+  const auto scope = timer_.measure("local_map");
+  const std::vector<MapPoint*> points = local_points(frame);
+  std::vector<const MapPoint*> matched;
+  std::vector<char> taken(frame.points.size(), 0);
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    if (frame.points[i] == nullptr) continue;
+    taken[i] = 1;
+    ++frame.points[i]->visible;
+    matched.push_back(frame.points[i]);
+  }
+  std::sort(matched.begin(), matched.end());
+
+  std::vector<Projection> projections;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::binary_search(matched.begin(), matched.end(), points[i])) continue;
+    std::optional<Projection> projection = project_point(camera_, frame.T_cw, *points[i], map_.scales());
+    if (!projection) continue;
+    ++points[i]->visible;
+    projection->source = static_cast<int>(i);
+    projections.push_back(*projection);
+  }
+  FrameMatcherSettings search;
+  search.radius = settings_.map_search_radius;
+  search.ratio = 0.8F;
+  search.check_rotation = false;
+  for (const Match& match : match_projections(projections, *frame.features, taken, map_.scales(), search)) {
+    frame.points[static_cast<std::size_t>(match.feature)] = points[static_cast<std::size_t>(match.source)];
+  }
+
+  std::vector<int> features;
+  std::vector<PoseObservation> observations;
+  for (int i = 0; i < frame.features->size(); ++i) {
+    const MapPoint* point = frame.points[static_cast<std::size_t>(i)];
+    if (point == nullptr) continue;
+    features.push_back(i);
+    observations.push_back({point->position, measurement_of(*frame.features, i, map_.scales())});
+  }
+  // Far points hold the rotation, also those that are in no map yet.
+  for (const auto& [feature, observation] : unmapped_) {
+    if (frame.points[static_cast<std::size_t>(feature)] == nullptr) observations.push_back(observation);
+  }
+  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
+  const int inliers = static_cast<int>(std::count(
+      estimate.inlier.begin(), estimate.inlier.begin() + static_cast<std::ptrdiff_t>(features.size()), 1));
+  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
+  frame.T_cw = estimate.T_cw;
+  for (std::size_t k = 0; k < features.size(); ++k) {
+    MapPoint*& point = frame.points[static_cast<std::size_t>(features[k])];
+    if (estimate.inlier[k]) {
+      ++point->found;
+    } else {
+      point = nullptr;
+    }
+  }
+  return {true, inliers};
+}
+
+bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
+  if (frames_since_keyframe_ >= settings_.longest_keyframe_gap) return true;
+  int close_tracked = 0, close_untracked = 0;
+  for (int i = 0; i < frame.features->size(); ++i) {
+    const float depth = frame.features->depth[static_cast<std::size_t>(i)];
+    if (depth < 0.0F || depth > settings_.close_depth || frame.features->is_movable(i)) continue;
+    ++(frame.points[static_cast<std::size_t>(i)] != nullptr ? close_tracked : close_untracked);
+  }
+  if (close_tracked < settings_.fewest_close_tracked && close_untracked > settings_.most_close_untracked)
+    return true;
+
+  // Points of the reference that have proved themselves.
+  const std::size_t fewest_views = map_.keyframes().size() > 2 ? 3 : 2;
+  int reference_points = 0;
+  for (const MapPoint* point : reference_->points) {
+    reference_points += point != nullptr && point->observations.size() >= fewest_views;
+  }
+  return inliers < settings_.keyframe_share * reference_points;
+}
+
+void Tracker::finish(Frame& frame, bool located) {
+  ++frames_since_keyframe_;
+  frame.reference = reference_;
+  frame.T_c_reference = frame.T_cw * current_pose(*reference_).inverse();
+  if (located) {
+    // The motion since a frame that was lost is no velocity.
+    if (state_ == TrackingState::tracking) {
+      motion_.observe(frame.T_cw, last_.T_cw, last_.timestamp, frame.timestamp);
+    }
+    state_ = TrackingState::tracking;
+    remember(frame);
+  } else {
+    state_ = TrackingState::lost;
+    previous_T_cw_ = frame.T_cw;
+    previous_time_ = frame.timestamp;
+    lost_with_view_ += shows_enough(frame);
+  }
+}
+
+}  // namespace penumbra::slam

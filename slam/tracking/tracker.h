@@ -1,0 +1,109 @@
+// Locates each frame: against the frame before it, then against the map around it.
+//
+//   predict the pose (constant velocity) -> match the last frame's points -> mismatch filter -> pose
+//     -> match the points of the local map -> pose -> keyframe?
+//
+// A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it among
+// the last keyframes (descriptor matching, PnP RANSAC). If that fails for several frames in a row although
+// they show enough, the map is continued from the predicted pose: what was computed before stays.
+//
+// Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017); mismatch filter: see slam/features/mismatch_filter.h.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "slam/base/stage_timer.h"
+#include "slam/features/frame_matcher.h"
+#include "slam/features/mismatch_filter.h"
+#include "slam/map/map.h"
+#include "slam/tracking/frame.h"
+#include "slam/tracking/motion_model.h"
+#include "slam/tracking/pose_optimizer.h"
+
+namespace penumbra::slam {
+
+enum class TrackingState { initialising, tracking, lost };
+
+struct TrackerSettings {
+  MismatchFilterSettings mismatch_filter;
+  float search_radius = 10.0F;       // pixels at level 0, around a projection with a known motion
+  float wide_search_radius = 30.0F;  // the same when that finds too little
+  float map_search_radius = 4.0F;    // around a projection with the frame's own pose
+  int fewest_initial_points = 50;    // stereo points that the first frame needs
+  int fewest_frame_inliers = 20;     // of the match to the last frame
+  int fewest_map_inliers = 20;       // of the match to the local map
+  int local_keyframes = 20;          // whose points make the local map
+  int recovery_keyframes = 5;        // newest keyframes that a lost frame is compared with
+  int lost_before_restart =
+      5;  // lost frames with enough points after which the map is continued from the prediction
+  // A keyframe is made when the frame sees less than this share of the points of its reference keyframe ...
+  double keyframe_share = 0.75;
+  // ... or tracks few close points although many could be made, or after this many frames.
+  int fewest_close_tracked = 100;
+  int most_close_untracked = 70;
+  int longest_keyframe_gap = 20;
+  double close_depth = 20.0;  // metres; up to which stereo depth counts as close
+};
+
+struct TrackingReport {
+  TrackingState state = TrackingState::initialising;
+  int frame_matches = 0;        // pairs with the last frame
+  MismatchFilterReport filter;  // what the mismatch filter did with them
+  int frame_inliers = 0;        // pairs that agree with the pose
+  int map_inliers = 0;          // map points that agree with the final pose
+  bool recovered = false;       // found again by PnP RANSAC
+  bool wants_keyframe = false;
+};
+
+class Tracker {
+ public:
+  Tracker(const StereoCamera& camera, Map& map, const TrackerSettings& settings, StageTimer& timer)
+      : camera_(camera), map_(map), settings_(settings), timer_(timer) {}
+
+  // Locates `frame` (its features are given): fills pose, points and reference.
+  TrackingReport track(Frame& frame);
+
+  // Tells that `frame`, the last one tracked, has become `keyframe`.
+  void set_keyframe(KeyFrame* keyframe);
+
+ private:
+  struct Located {
+    bool success = false;
+    int inliers = 0;
+  };
+
+  bool shows_enough(const Frame& frame) const;
+  bool start(Frame& frame);
+  void remember(const Frame& frame);
+  void refresh_last_frame();
+  Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
+  Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
+  Located locate_from_keyframes(Frame& frame);
+  Located locate_in_local_map(Frame& frame);
+  std::vector<Projection> project_last_frame(const SE3& T_cw) const;
+  std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
+                                    TrackingReport& report) const;
+  std::vector<MapPoint*> local_points(const Frame& frame);
+  bool wants_keyframe(const Frame& frame, int inliers) const;
+  void finish(Frame& frame, bool located);
+
+  const StereoCamera camera_;
+  Map& map_;
+  const TrackerSettings settings_;
+  StageTimer& timer_;
+
+  TrackingState state_ = TrackingState::initialising;
+  Frame last_;                  // the last frame that was located
+  SE3 previous_T_cw_;           // of the frame before this one, located or predicted
+  double previous_time_ = 0.0;  // seconds
+  // Pairs with the last frame that agree with its pose but show no map point (far ones, mostly).
+  std::vector<std::pair<int, PoseObservation>> unmapped_;
+  MotionModel motion_;
+  KeyFrame* reference_ = nullptr;  // the keyframe that shares the most points with the last frame
+  KeyFrame* newest_keyframe_ = nullptr;
+  int frames_since_keyframe_ = 0;
+  int lost_with_view_ = 0;  // lost frames in a row that showed enough to begin a map
+};
+
+}  // namespace penumbra::slam

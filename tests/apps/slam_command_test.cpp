@@ -1,0 +1,93 @@
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/test_data.h"
+
+namespace penumbra {
+namespace {
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(SlamCommand, ShowsExamples) {
+  const test::ProgramResult result = test::run_penumbra("slam --help");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.out.find("penumbra slam kitti"), std::string::npos);
+}
+
+TEST(SlamCommand, RefusesWrongArgumentsWithExitCode2) {
+  EXPECT_EQ(test::run_penumbra("slam").exit_code, 2);
+  EXPECT_EQ(test::run_penumbra("slam somewhere").exit_code, 2);
+  EXPECT_EQ(test::run_penumbra("slam somewhere --out x --filter sometimes").exit_code, 2);
+  EXPECT_EQ(test::run_penumbra("slam somewhere --out x --frames 7:3").exit_code, 2);
+  EXPECT_EQ(test::run_penumbra("slam somewhere --out x --threads 0").exit_code, 2);
+}
+
+TEST(SlamCommand, NamesTheFolderThatIsMissing) {
+  const test::TemporaryDirectory folder;
+  const test::ProgramResult result = test::run_penumbra(
+      fmt::format("slam '{}' --out '{}'", (folder / "nowhere").string(), (folder / "out").string()));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("nowhere"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {
+  PENUMBRA_REAL_DATA(kitti, "kitti");
+  const test::TemporaryDirectory folder;
+  for (const char* out : {"first", "second"}) {
+    const test::ProgramResult result =
+        test::run_penumbra(fmt::format("slam '{}' --sequence 06 --frames 5:25 --out '{}' --deterministic",
+                                       kitti.string(), (folder / out).string()));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.out.find("20 frames, 20 tracked, 0 lost"), std::string::npos) << result.out;
+  }
+  for (const char* file : {"trajectory_kitti.txt", "trajectory_tum.txt", "map.ply", "trajectory.png"}) {
+    ASSERT_FALSE(contents(folder / "first" / file).empty()) << file;
+    EXPECT_EQ(contents(folder / "first" / file), contents(folder / "second" / file)) << file;
+  }
+  const nlohmann::json report = nlohmann::json::parse(contents(folder / "first" / "run.json"));
+  EXPECT_EQ(report["frames"], 20);
+  EXPECT_EQ(report["tracked"], 20);
+  EXPECT_EQ(report["lost"], 0);
+  EXPECT_GT(report["keyframes"], 1);
+  EXPECT_GT(report["map_points"], 500);
+  for (const char* key : {"median_ms", "p95_ms", "stages", "settings"})
+    EXPECT_TRUE(report.contains(key)) << key;
+  EXPECT_LT(report["ground_truth"]["ape_rmse_m"], 0.5);
+}
+
+TEST(SlamCommand, KeepsWhatWasComputedBeforeATornImage) {
+  PENUMBRA_REAL_DATA(kitti, "kitti/sequences/06");
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path copy = folder / "sequence";
+  std::filesystem::create_directories(copy / "image_0");
+  std::filesystem::create_directories(copy / "image_1");
+  for (const char* file : {"calib.txt", "times.txt"}) std::filesystem::copy(kitti / file, copy / file);
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = fmt::format("{:06}.png", i);
+    for (const char* side : {"image_0", "image_1"}) {
+      std::filesystem::copy(kitti / side / name, copy / side / name);
+    }
+  }
+  const std::filesystem::path torn = copy / "image_1/000005.png";
+  std::filesystem::resize_file(torn, std::filesystem::file_size(torn) / 2);
+  const test::ProgramResult result =
+      test::run_penumbra(fmt::format("slam '{}' --out '{}'", copy.string(), (folder / "out").string()));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("000005.png"), std::string::npos) << result.err;
+  const nlohmann::json report = nlohmann::json::parse(contents(folder / "out" / "run.json"));
+  EXPECT_EQ(report["frames"], 5);
+  EXPECT_NE(report["error"].get<std::string>().find("000005.png"), std::string::npos);
+  const std::string poses = contents(folder / "out" / "trajectory_kitti.txt");
+  EXPECT_EQ(std::count(poses.begin(), poses.end(), '\n'), 5);
+}
+
+}  // namespace
+}  // namespace penumbra

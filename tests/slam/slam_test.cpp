@@ -1,0 +1,246 @@
+#include "slam/slam.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "nn/base/error.h"
+#include "slam/datasets/open_dataset.h"
+#include "slam/evaluation/evaluation.h"
+#include "tests/slam/synthetic.h"
+#include "tests/support/test_data.h"
+
+namespace penumbra::slam {
+namespace {
+
+// A camera that moves to the right in front of two textured walls, the upper one near, the lower one far.
+class Walls {
+ public:
+  static constexpr int kWidth = 640, kHeight = 240, kStep = 6;  // the near wall moves by kStep pixels a frame
+  static constexpr int kNearDisparity = 30, kFarDisparity = 10;
+
+  Walls()
+      : near_(test::textured_image(2000, kHeight / 2, 21)),
+        far_(test::textured_image(2000, kHeight / 2, 22)) {
+    camera_.fx = camera_.fy = 500.0;
+    camera_.cx = 320.0;
+    camera_.cy = 120.0;
+    camera_.baseline = 0.5;
+    camera_.width = kWidth;
+    camera_.height = kHeight;
+  }
+  const StereoCamera& camera() const { return camera_; }
+  // Metres along x after `frame` frames: a wall with disparity d is fx b / d away.
+  double position(int frame) const { return frame * kStep * camera_.baseline / kNearDisparity; }
+  StereoImages frame(int index) const {
+    StereoImages images;
+    images.index = index;
+    images.timestamp = 0.1 * index;
+    images.left = view(kStep * index, 0);
+    images.right = view(kStep * index, 1);
+    return images;
+  }
+
+ private:
+  cv::Mat view(int x, int eye) const {
+    cv::Mat image(kHeight, kWidth, CV_8U);
+    near_(cv::Rect(100 + x + eye * kNearDisparity, 0, kWidth, kHeight / 2))
+        .copyTo(image.rowRange(0, kHeight / 2));
+    far_(cv::Rect(100 + x * kFarDisparity / kNearDisparity + eye * kFarDisparity, 0, kWidth, kHeight / 2))
+        .copyTo(image.rowRange(kHeight / 2, kHeight));
+    return image;
+  }
+  cv::Mat near_, far_;
+  StereoCamera camera_;
+};
+
+StereoImages black(const Walls& walls, int index) {
+  StereoImages images = walls.frame(index);
+  images.left = cv::Mat::zeros(images.left.size(), CV_8U);
+  images.right = images.left;
+  return images;
+}
+
+void expect_equal(const Trajectory& a, const Trajectory& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].T_wc.translation, b[i].T_wc.translation) << "frame " << i;
+    EXPECT_EQ(a[i].T_wc.rotation, b[i].T_wc.rotation) << "frame " << i;
+  }
+}
+
+TEST(Slam, FollowsACameraAlongWalls) {
+  const Walls walls;
+  Slam slam(walls.camera(), {});
+  for (int i = 0; i < 30; ++i) slam.process(walls.frame(3 * i));
+  EXPECT_EQ(slam.lost(), 0);
+  const Trajectory trajectory = slam.trajectory();
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3d expected(walls.position(3 * i), 0.0, 0.0);
+    EXPECT_LT((trajectory[std::size_t(i)].T_wc.translation - expected).norm(), 0.02 + 0.01 * expected.x())
+        << "frame " << i;
+  }
+  EXPECT_GT(slam.map().keyframes().size(), 1U);
+}
+
+TEST(Slam, BlackFramesAreLostAndTheWayIsFoundAgain) {
+  const Walls walls;
+  Slam slam(walls.camera(), {});
+  for (int i = 0; i < 30; ++i) slam.process(i >= 12 && i < 17 ? black(walls, i) : walls.frame(i));
+  EXPECT_EQ(slam.lost(), 5);
+  const Trajectory trajectory = slam.trajectory();
+  for (const TimedPose& pose : trajectory) EXPECT_TRUE(pose.T_wc.is_finite());
+  EXPECT_NEAR(trajectory[29].T_wc.translation.x(), walls.position(29), 0.1);
+  // The motion before them carries the pose through the lost frames.
+  EXPECT_NEAR(trajectory[14].T_wc.translation.x(), walls.position(14), 0.2);
+}
+
+TEST(Slam, ASequenceThatJumpsIsFollowed) {
+  const Walls walls;
+  Slam slam(walls.camera(), {});
+  for (int i = 0; i < 40; ++i) {
+    if (i < 15 || i >= 22) slam.process(walls.frame(i));
+  }
+  EXPECT_EQ(slam.lost(), 0);
+  EXPECT_NEAR(slam.trajectory().back().T_wc.translation.x(), walls.position(39), 0.1);
+}
+
+TEST(Slam, GoesOnWithANewPieceWhereNothingIsRecognised) {
+  const Walls walls;
+  Slam slam(walls.camera(), {});
+  for (int i = 0; i < 10; ++i) slam.process(walls.frame(i));
+  const std::size_t keyframes = slam.map().keyframes().size();
+  // Suddenly a different place: upside down.
+  for (int i = 10; i < 30; ++i) {
+    StereoImages images = walls.frame(i);
+    cv::flip(images.left, images.left, 0);
+    cv::flip(images.right, images.right, 0);
+    slam.process(images);
+  }
+  EXPECT_EQ(slam.results().back().tracking.state, TrackingState::tracking);
+  EXPECT_GT(slam.map().keyframes().size(), keyframes);
+  EXPECT_LE(slam.lost(), 8);
+  EXPECT_EQ(slam.trajectory().size(), 30U);
+}
+
+TEST(Slam, StartsWhenThereIsSomethingToSee) {
+  const Walls walls;
+  Slam slam(walls.camera(), {});
+  EXPECT_TRUE(slam.trajectory().empty());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(slam.process(black(walls, i)).tracking.state, TrackingState::initialising);
+  }
+  EXPECT_EQ(slam.process(walls.frame(3)).tracking.state, TrackingState::tracking);
+  EXPECT_EQ(slam.lost(), 3);
+  EXPECT_EQ(slam.trajectory().size(), 4U);
+}
+
+TEST(Slam, TakesTimesThatStandStillRunBackwardsOrAreNoNumbers) {
+  const Walls walls;
+  Slam slam(walls.camera(), {});
+  for (int i = 0; i < 12; ++i) {
+    StereoImages images = walls.frame(i);
+    if (i % 3 == 0) images.timestamp = 1.0;
+    if (i % 3 == 1) images.timestamp = std::numeric_limits<double>::quiet_NaN();
+    slam.process(images);
+  }
+  EXPECT_EQ(slam.lost(), 0);
+}
+
+TEST(Slam, ResultsRepeatBitForBitWhateverTheThreads) {
+  const Walls walls;
+  SlamSettings settings;
+  std::vector<Trajectory> trajectories;
+  for (const int threads : {1, 2, 2}) {
+    settings.threads = threads;
+    Slam slam(walls.camera(), settings);
+    for (int i = 0; i < 15; ++i) slam.process(walls.frame(2 * i));
+    trajectories.push_back(slam.trajectory());
+  }
+  expect_equal(trajectories[0], trajectories[1]);
+  expect_equal(trajectories[1], trajectories[2]);
+}
+
+TEST(Slam, FeaturesOnMovableInstancesStayOutOfTheMap) {
+  const Walls walls;
+  const auto upper_half = [](const cv::Mat& image) {
+    const cv::Rect region(0, 0, image.cols, image.rows / 2);
+    return std::vector<Instance>{{3, "car", 0.9F, region, cv::Mat1b(region.size(), uchar{255})}};
+  };
+  Slam slam(walls.camera(), {}, upper_half);
+  for (int i = 0; i < 8; ++i) {
+    const FrameResult result = slam.process(walls.frame(2 * i));
+    EXPECT_GT(result.movable_features, result.features / 4);
+  }
+  EXPECT_EQ(slam.lost(), 0);
+  // Only the lower, far wall has points.
+  for (const auto& point : slam.map().points()) {
+    if (!point->erased) {
+      EXPECT_GT(point->position.y(), 0.0);
+    }
+  }
+}
+
+TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {
+  const Walls walls;
+  Slam slam(walls.camera(), {});
+  StereoImages images = walls.frame(0);
+  images.right = images.right.colRange(0, 600);
+  EXPECT_THROW(slam.process(images), InputError);
+  images = walls.frame(0);
+  images.left = cv::Mat();
+  EXPECT_THROW(slam.process(images), InputError);
+  images = walls.frame(0);
+  images.left.convertTo(images.left, CV_32F);
+  EXPECT_THROW(slam.process(images), InputError);
+  StereoCamera broken = walls.camera();
+  broken.baseline = 0.0;
+  EXPECT_THROW(Slam(broken, {}), InputError);
+  broken = walls.camera();
+  broken.cx = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Slam(broken, {}), InputError);
+}
+
+// Drift over segments of 10 to 50 metres.
+SegmentDrift drift_on(const std::filesystem::path& folder, const SlamSettings& settings, int& lost) {
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
+  Slam slam(dataset->camera(), settings);
+  for (int i = 0; i < dataset->size(); ++i) slam.process(dataset->load(i));
+  lost = slam.lost();
+  return kitti_metrics(*dataset->ground_truth(), slam.trajectory(), {10.0, 20.0, 30.0, 40.0, 50.0}).overall;
+}
+
+TEST(SlamRealData, DriftOnKitti00StaysBelowThreePerCent) {
+  PENUMBRA_REAL_DATA(folder, "kitti/sequences/00");
+  int lost = 0;
+  EXPECT_LE(drift_on(folder, {}, lost).translation, 3.0);
+  EXPECT_EQ(lost, 0);
+}
+
+TEST(SlamRealData, DriftOnKitti06StaysBelowOnePerCent) {
+  PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
+  int lost = 0;
+  EXPECT_LE(drift_on(folder, {}, lost).translation, 1.0);
+  EXPECT_EQ(lost, 0);
+}
+
+TEST(SlamRealData, FramesLeftOutAndBlackFramesDoNotEndTracking) {
+  PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
+  Slam slam(dataset->camera(), {});
+  Trajectory truth;
+  for (int i = 0; i < dataset->size(); ++i) {
+    if (i == 15 || i == 16) continue;  // a jump of four metres
+    StereoImages images = dataset->load(i);
+    if (i >= 30 && i < 33) images.left.setTo(0);
+    slam.process(images);
+    truth.push_back((*dataset->ground_truth())[std::size_t(i)]);
+  }
+  EXPECT_EQ(slam.lost(), 3);
+  const SegmentDrift drift = kitti_metrics(truth, slam.trajectory(), {20.0, 30.0, 40.0}).overall;
+  EXPECT_LT(drift.translation, 3.0);
+}
+
+}  // namespace
+}  // namespace penumbra::slam
