@@ -192,7 +192,8 @@ void match_stereo(const StereoCamera& camera, const Features& left, const Featur
         left_pyramid.level(k.level), right_pyramid.level(k.level), static_cast<int>(std::lround(at.x())),
         static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(start.x())));
     if (!refined.valid) continue;
-    // The patch is that around the whole pixel, the corner sits a fraction beside it: both see the same disparity.
+    // The patch is that around the whole pixel, the corner sits a fraction beside it: both see the same
+    // disparity.
     const float disparity = (std::round(at.x()) - refined.x) * left_pyramid.scale_x(k.level);
     const float u_right = k.u - disparity;
     if (disparity <= 0.0F || disparity > max_disparity || u_right < 0.0F) continue;

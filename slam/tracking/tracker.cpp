@@ -1,11 +1,11 @@
 #include "slam/tracking/tracker.h"
 
 #include <algorithm>
-#include <map>
 
-#include "slam/features/descriptor_matcher.h"
 #include "slam/features/measurement.h"
 #include "slam/map/projection.h"
+#include "slam/tracking/local_map.h"
+#include "slam/tracking/recognition.h"
 
 namespace penumbra::slam {
 
@@ -178,95 +178,24 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
   return {true, estimate.inliers};
 }
 
-// Without a useful prediction: compares descriptors with the newest keyframes and takes the pose that most
-// agree on.
+// Without a useful prediction.
 Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
   const auto scope = timer_.measure("recover");
   unmapped_.clear();
-  const std::vector<KeyFrame*>& keyframes = map_.keyframes();
-  const int count = static_cast<int>(keyframes.size());
-  Located best;
-  for (int n = 0; n < std::min(settings_.recovery_keyframes, count); ++n) {
-    const KeyFrame& keyframe = *keyframes[static_cast<std::size_t>(count - 1 - n)];
-    std::vector<Descriptor> descriptors;
-    std::vector<MapPoint*> points;
-    for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
-      if (keyframe.points[i] == nullptr) continue;
-      points.push_back(keyframe.points[i]);
-      descriptors.push_back(keyframe.features->descriptor(static_cast<int>(i)));
-    }
-    std::vector<PoseObservation> observations;
-    std::vector<Match> matches;
-    for (const Match& match : match_descriptors(descriptors, frame.features->left.descriptors, {})) {
-      if (frame.features->is_movable(match.feature)) continue;
-      matches.push_back(match);
-      observations.push_back({points[static_cast<std::size_t>(match.source)]->position,
-                              measurement_of(*frame.features, match.feature, map_.scales())});
-    }
-    PnpRansacSettings ransac;
-    ransac.seed = static_cast<std::uint64_t>(frame.index);
-    ransac.fewest_inliers = settings_.fewest_frame_inliers;
-    const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
-    if (!pnp) continue;
-    const PoseEstimate estimate = optimize_pose(camera_, pnp->T_cw, observations);
-    if (estimate.inliers < settings_.fewest_frame_inliers || estimate.inliers <= best.inliers) continue;
-    best = {true, estimate.inliers};
-    frame.T_cw = estimate.T_cw;
-    std::fill(frame.points.begin(), frame.points.end(), nullptr);
-    for (std::size_t m = 0; m < matches.size(); ++m) {
-      if (!estimate.inlier[m]) continue;
-      frame.points[static_cast<std::size_t>(matches[m].feature)] =
-          points[static_cast<std::size_t>(matches[m].source)];
-    }
-    reference_ = keyframes[static_cast<std::size_t>(count - 1 - n)];
-  }
-  return best;
-}
-
-// The points of the keyframes that see what the frame sees, and of those keyframes' neighbours; the keyframe
-// with the most of them becomes the reference.
-std::vector<MapPoint*> Tracker::local_points(const Frame& frame) {
-  std::map<int, Covisible> votes;
-  for (const MapPoint* point : frame.points) {
-    if (point == nullptr) continue;
-    for (const Observation& o : point->observations) {
-      Covisible& vote = votes[o.keyframe->id];
-      vote.keyframe = o.keyframe;
-      ++vote.shared_points;
-    }
-  }
-  std::vector<Covisible> ordered;
-  for (const auto& [id, vote] : votes) ordered.push_back(vote);
-  std::stable_sort(ordered.begin(), ordered.end(),
-                   [](const Covisible& a, const Covisible& b) { return a.shared_points > b.shared_points; });
-  if (!ordered.empty()) reference_ = ordered.front().keyframe;
-
-  std::vector<KeyFrame*> keyframes;
-  const auto add = [&](KeyFrame* keyframe) {
-    if (static_cast<int>(keyframes.size()) >= settings_.local_keyframes) return;
-    if (std::find(keyframes.begin(), keyframes.end(), keyframe) == keyframes.end())
-      keyframes.push_back(keyframe);
-  };
-  for (const Covisible& vote : ordered) add(vote.keyframe);
-  if (reference_ != nullptr) {
-    add(reference_);
-    for (const Covisible& c : reference_->covisibles) add(c.keyframe);
-  }
-
-  std::vector<MapPoint*> points;
-  for (const KeyFrame* keyframe : keyframes) {
-    for (MapPoint* point : keyframe->points) {
-      if (point != nullptr) points.push_back(point);
-    }
-  }
-  std::sort(points.begin(), points.end(), [](const MapPoint* a, const MapPoint* b) { return a->id < b->id; });
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  return points;
+  std::optional<Recognition> found =
+      recognise_frame(camera_, frame, map_, settings_.recovery_keyframes, settings_.fewest_frame_inliers);
+  if (!found) return {};
+  frame.T_cw = found->T_cw;
+  frame.points = std::move(found->points);
+  reference_ = found->keyframe;
+  return {true, found->inliers};
 }
 
 Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   const auto scope = timer_.measure("local_map");
-  const std::vector<MapPoint*> points = local_points(frame);
+  const LocalMap local = collect_local_map(frame, reference_, settings_.local_keyframes);
+  const std::vector<MapPoint*>& points = local.points;
+  reference_ = local.reference;
   std::vector<const MapPoint*> matched;
   std::vector<char> taken(frame.points.size(), 0);
   for (std::size_t i = 0; i < frame.points.size(); ++i) {

@@ -84,7 +84,6 @@ class Tracker {
   std::vector<Projection> project_last_frame(const SE3& T_cw) const;
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
-  std::vector<MapPoint*> local_points(const Frame& frame);
   bool wants_keyframe(const Frame& frame, int inliers) const;
   void finish(Frame& frame, bool located);
 
