@@ -80,7 +80,7 @@ void expect_same(const std::vector<Detection>& found, const nlohmann::json& expe
       << "a score may cross the line of comparison";
 }
 
-constexpr Tolerance kTolerance{0.05, 1e-3, 0.995};
+constexpr Tolerance kTolerance{0.02, 2e-4, 0.998};
 
 void compare_random_network(bool attention, const std::string& fixture) {
   MaskRcnnConfig config;
