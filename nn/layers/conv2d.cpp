@@ -22,6 +22,26 @@ float lower_bound(Activation activation) {
   return activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
 }
 
+// ReLU is part of the tile kernel; the others pass over a row's new pixels while these are in the cache.
+bool after_kernel(Activation activation) {
+  return activation != Activation::none && activation != Activation::relu;
+}
+
+// `channels` from `first` on of row y, in place.
+void activate_row(FeatureMap& map, int n, int y, int first, int channels, const Conv2dOptions& options) {
+  for (int c = first; c < first + channels; c += kBlock) {
+    const int lanes = std::min(channels, kBlock);
+    float* values = map.pixel(n, c / kBlock, y, 0) + c % kBlock;
+    if (lanes == kBlock) {
+      activate(values, static_cast<std::ptrdiff_t>(map.width()) * kBlock, options.activation, options.slope);
+      continue;
+    }
+    for (int x = 0; x < map.width(); ++x, values += kBlock) {
+      activate(values, lanes, options.activation, options.slope);
+    }
+  }
+}
+
 int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
 }  // namespace
@@ -109,6 +129,7 @@ FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_
   FeatureMap output(arena, input.images(), weights_.outputs(), out.height, out.width, output_border);
   if (out.height == 1 && out.width == 1 && output_border == 0) {
     over_images(input, taps, residual, output);
+    if (after_kernel(options_.activation)) activate(output, options_.activation, options_.slope);
   } else {
     over_pixels(input, taps, residual, output);
   }
@@ -148,6 +169,10 @@ void Conv2d::over_pixels(const FeatureMap& input, const std::ptrdiff_t* taps, co
             a.output = output.pixel(n, tile.block, y, x) + tile.lane;
             if (residual != nullptr) a.residual = residual->pixel(n, tile.block, y, x) + tile.lane;
             weights_.kernel(tile, end - x)(a);
+          }
+          if (after_kernel(options_.activation)) {
+            const int channels = tile.narrow ? kBlock : kernels().tile_channels;
+            activate_row(output, n, y, tile.block * kBlock + tile.lane, channels, options_);
           }
         }
       }

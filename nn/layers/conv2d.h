@@ -14,6 +14,7 @@
 
 #include <vector>
 
+#include "nn/layers/activations.h"
 #include "nn/layers/packed_weights.h"
 #include "nn/tensor/feature_map.h"
 #include "nn/tensor/tensor.h"
@@ -25,6 +26,7 @@ struct Conv2dOptions {
   int padding = 0;
   int dilation = 1;
   Activation activation = Activation::none;
+  float slope = kDefaultSlope;  // of leaky_relu
 };
 
 class Conv2d {

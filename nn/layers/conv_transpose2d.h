@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "nn/layers/activations.h"
 #include "nn/layers/packed_weights.h"
 #include "nn/tensor/feature_map.h"
 #include "nn/tensor/tensor.h"

@@ -8,10 +8,6 @@ namespace penumbra::nn::reference {
 
 namespace {
 
-float activate(double value, Activation activation) {
-  return static_cast<float>(activation == Activation::relu ? std::max(value, 0.0) : value);
-}
-
 double bias_of(const std::vector<float>& bias, std::int64_t o) {
   return bias.empty() ? 0.0 : bias[static_cast<std::size_t>(o)];
 }
@@ -41,7 +37,7 @@ Tensor conv2d(const Tensor& x, const Tensor& weight, const std::vector<float>& b
             }
           }
           if (residual != nullptr) sum += residual->at(n, o, i, j);
-          y.at(n, o, i, j) = activate(sum, options.activation);
+          y.at(n, o, i, j) = static_cast<float>(activate(sum, options.activation, options.slope));
         }
       }
     }
@@ -59,7 +55,8 @@ Tensor linear(const Tensor& x, const Tensor& weight, const std::vector<float>& b
         sum += static_cast<double>(weight.values[static_cast<std::size_t>(o * inputs + i)]) *
                x.values[static_cast<std::size_t>(n * inputs + i)];
       }
-      y.values[static_cast<std::size_t>(n * outputs + o)] = activate(sum, activation);
+      y.values[static_cast<std::size_t>(n * outputs + o)] =
+          static_cast<float>(activate(sum, activation, kDefaultSlope));
     }
   }
   return y;
@@ -78,7 +75,7 @@ Tensor conv_transpose2d(const Tensor& x, const Tensor& weight, const std::vector
           for (std::int64_t c = 0; c < channels; ++c) {
             sum += static_cast<double>(weight.at(c, o, i % s, j % s)) * x.at(n, c, i / s, j / s);
           }
-          y.at(n, o, i, j) = activate(sum, activation);
+          y.at(n, o, i, j) = static_cast<float>(activate(sum, activation, kDefaultSlope));
         }
       }
     }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "nn/layers/activations.h"
 #include "nn/layers/batch_norm.h"
 #include "nn/layers/box.h"
 #include "nn/layers/conv2d.h"
@@ -25,10 +26,26 @@ Tensor conv_transpose2d(const Tensor& x, const Tensor& weight, const std::vector
                         Activation activation);
 // (z - mean) / sqrt(var + eps) gamma + beta, a channel at a time; see nn/layers/batch_norm.h.
 Tensor batch_norm(const Tensor& x, const BatchNorm& norm);
+// See nn/layers/activations.h.
+double activate(double x, Activation activation, float slope);
+Tensor activate(const Tensor& x, Activation activation, float slope = kDefaultSlope);
+Tensor softmax_channels(const Tensor& x);
+// See nn/layers/concat.h.
+Tensor concat(std::span<const Tensor> parts);
+Tensor slice_channels(const Tensor& x, std::int64_t first, std::int64_t count);
+// y + x and y x, x broadcast to y; see nn/layers/elementwise.h.
+Tensor add(const Tensor& y, const Tensor& x);
+Tensor multiply(const Tensor& y, const Tensor& x);
 // See nn/layers/pooling.h.
 Tensor max_pool(const Tensor& x, const PoolOptions& options);
-// y + nearest-upsampled x; see nn/layers/upsample.h.
+Tensor avg_pool(const Tensor& x, const PoolOptions& options, bool count_padding);
+Tensor adaptive_avg_pool(const Tensor& x, std::int64_t height, std::int64_t width);
+Tensor global_avg_pool(const Tensor& x);
+Tensor global_max_pool(const Tensor& x);
+// See nn/layers/upsample.h; add_upsampled is y + nearest-upsampled x.
+Tensor upsample_nearest(const Tensor& x, std::int64_t height, std::int64_t width);
 Tensor add_upsampled(const Tensor& x, const Tensor& y);
+Tensor upsample_bilinear(const Tensor& x, std::int64_t height, std::int64_t width, bool align_corners);
 // See nn/layers/spatial_attention.h and channel_attention.h.
 Tensor spatial_attention(const Tensor& x, const Tensor& weight);
 Tensor channel_attention(const Tensor& x, const Tensor& reduce, const Tensor& expand);
