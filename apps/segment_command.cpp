@@ -18,7 +18,7 @@
 #include "nn/io/file.h"
 #include "nn/io/image_file.h"
 #include "nn/models/class_names.h"
-#include "nn/models/mask_rcnn.h"
+#include "nn/models/make_network.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
@@ -29,7 +29,7 @@ struct SegmentOptions {
   std::vector<std::string> images;
   std::string weights, out, classes;
   float show_above = 0.5F;
-  nn::MaskRcnnConfig network;
+  nn::NetworkConfig network;
 };
 
 // COCO numbers its images; a file name of digits only is taken as that number, any other is kept as it is.
@@ -67,8 +67,8 @@ void check_names(const std::vector<std::string>& images) {
 void segment(const SegmentOptions& options) {
   check_names(options.images);
   const nn::StateDict weights = weights_tools::load_weights(options.weights);
-  nn::MaskRcnn network(weights, options.network);
-  const std::vector<std::string> names = nn::class_names(weights, network.classes(), options.classes);
+  const std::unique_ptr<nn::InstanceSegmenter> network = nn::make_network(weights, options.network);
+  const std::vector<std::string> names = nn::class_names(weights, network->classes(), options.classes);
   const std::filesystem::path out = options.out;
   std::filesystem::create_directories(out);
 
@@ -84,7 +84,7 @@ void segment(const SegmentOptions& options) {
       continue;
     }
     const auto start = std::chrono::steady_clock::now();
-    const std::vector<nn::Detection> detections = network(image);
+    const std::vector<nn::Detection> detections = (*network)(image);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     const std::filesystem::path picture =
@@ -107,13 +107,49 @@ void segment(const SegmentOptions& options) {
     throw Error(fmt::format("{} of {} images could not be read", failed, options.images.size()));
 }
 
+// Where both kinds of network have a setting, one option sets it for both; each has its own default.
+void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
+  nn::MaskRcnnConfig& mask_rcnn = network.mask_rcnn;
+  nn::Yolov5Config& yolov5 = network.yolov5;
+  command
+      ->add_option("--min-size", mask_rcnn.transform.min_size,
+                   "Mask R-CNN: shorter side at the network, pixels")
+      ->capture_default_str()
+      ->check(CLI::Range(32, 4096));
+  command
+      ->add_option_function<int>(
+          "--max-size", [&](int size) { mask_rcnn.transform.max_size = yolov5.letterbox.size = size; },
+          fmt::format("longest side at the network, pixels [Mask R-CNN {}, YOLOv5 {}]",
+                      mask_rcnn.transform.max_size, yolov5.letterbox.size))
+      ->check(CLI::Range(32, 8192));
+  command
+      ->add_option_function<float>(
+          "--score-threshold",
+          [&](float score) { mask_rcnn.box_head.score_threshold = yolov5.score_threshold = score; },
+          fmt::format("least score of any instance [Mask R-CNN {}, YOLOv5 {}]",
+                      mask_rcnn.box_head.score_threshold, yolov5.score_threshold))
+      ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option_function<int>(
+          "--max-detections",
+          [&](int count) { mask_rcnn.box_head.max_detections = yolov5.max_detections = count; },
+          fmt::format("most instances an image [Mask R-CNN {}, YOLOv5 {}]", mask_rcnn.box_head.max_detections,
+                      yolov5.max_detections))
+      ->check(CLI::Range(1, 1000));
+  command->add_flag("!--no-attention", mask_rcnn.attention,
+                    "leave the weights' attention out: the baseline network");
+}
+
 }  // namespace
 
 void add_segment_command(CLI::App& app) {
   auto options = std::make_shared<SegmentOptions>();
-  CLI::App* command = app.add_subcommand("segment", "Find object instances in images with Mask R-CNN");
+  CLI::App* command =
+      app.add_subcommand("segment", "Find object instances in images with Mask R-CNN or YOLOv5");
   command->add_option("images", options->images, "PNG or JPEG images")->required();
-  command->add_option("--weights", options->weights, "weights in torchvision's layout: safetensors or .pth")
+  command
+      ->add_option("--weights", options->weights,
+                   "Mask R-CNN (torchvision's names) or YOLOv5: safetensors or .pth")
       ->required();
   command->add_option("--out", options->out, "folder for the pictures and results.json; made if missing")
       ->required();
@@ -124,24 +160,7 @@ void add_segment_command(CLI::App& app) {
                    "least score of instances in the picture and the list")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
-  command
-      ->add_option("--min-size", options->network.transform.min_size, "shorter side at the network, pixels")
-      ->capture_default_str()
-      ->check(CLI::Range(32, 4096));
-  command
-      ->add_option("--max-size", options->network.transform.max_size, "longest side at the network, pixels")
-      ->capture_default_str()
-      ->check(CLI::Range(32, 8192));
-  command
-      ->add_option("--score-threshold", options->network.box_head.score_threshold,
-                   "least score of any instance")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--max-detections", options->network.box_head.max_detections, "most instances an image")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  command->add_flag("!--no-attention", options->network.attention,
-                    "leave the weights' attention out: the baseline network");
+  add_network_options(command, options->network);
   add_threads_option(command);
   add_isa_option(command);
   command->footer(

@@ -5,6 +5,7 @@
 
 #include "nn/base/error.h"
 #include "nn/io/file.h"
+#include "nn/models/coco_categories.h"
 
 namespace penumbra::nn {
 
@@ -44,6 +45,15 @@ std::vector<std::string> split(std::string_view text, std::string_view separator
 
 std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place) {
   const int count = static_cast<int>(names.size());
+  if (classes == static_cast<int>(kCoco.size()) && count == kCocoClasses) {
+    std::vector<std::string> spread(kCoco.size(), "unused");
+    spread[0] = "background";
+    for (int c = 0; c < count; ++c) {
+      spread[static_cast<std::size_t>(category_of_class(c, kCocoClasses))] =
+          names[static_cast<std::size_t>(c)];
+    }
+    return spread;
+  }
   if (count == classes - 1) names.insert(names.begin(), "background");
   if (static_cast<int>(names.size()) != classes) {
     throw InputError(place,

@@ -4,18 +4,18 @@
 
 #include "nn/layers/pooling.h"
 #include "nn/layers/upsample.h"
-#include "nn/models/resnet.h"
 
 namespace penumbra::nn {
 
-FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix, bool attention) {
+FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix,
+                               const std::array<int, 4>& stage_channels, bool attention) {
   if (!attention) weights.ignore(prefix + "attention.");
   attention = attention && weights.has(prefix + "attention.0.spatial.weight");
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const std::string inner = fmt::format("{}inner_blocks.{}.0.", prefix, k);
     const std::string outer = fmt::format("{}layer_blocks.{}.0.", prefix, k);
     Level& level = levels_[k];
-    level.lateral = Conv2d(weights.tensor(inner + "weight", {kPyramidChannels, kResNetChannels[k], 1, 1}),
+    level.lateral = Conv2d(weights.tensor(inner + "weight", {kPyramidChannels, stage_channels[k], 1, 1}),
                            weights.vector(inner + "bias", kPyramidChannels), {});
     Conv2dOptions options;
     options.padding = 1;

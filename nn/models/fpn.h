@@ -30,8 +30,10 @@ constexpr int kPyramidLevels = 5;  // P2..P6
 class FeaturePyramid {
  public:
   FeaturePyramid() = default;
-  // `attention` false leaves out the attention that the weights may have.
-  FeaturePyramid(WeightReader& weights, const std::string& prefix, bool attention = true);
+  // `stage_channels` are those of C2..C5. `attention` false leaves out the attention that the weights may
+  // have.
+  FeaturePyramid(WeightReader& weights, const std::string& prefix, const std::array<int, 4>& stage_channels,
+                 bool attention = true);
 
   bool has_attention() const { return levels_.front().spatial.has_value(); }
 
