@@ -19,4 +19,9 @@ namespace penumbra::nn {
 std::vector<std::string> class_names(const StateDict& weights, int classes,
                                      const std::filesystem::path& file);
 
+// The same for a classifier, which has no background: one name an output, index = output. There is no
+// built-in list; the last resort is "class 0", "class 1", ...
+std::vector<std::string> output_names(const StateDict& weights, int outputs,
+                                      const std::filesystem::path& file);
+
 }  // namespace penumbra::nn
