@@ -21,10 +21,11 @@ namespace penumbra::nn {
 
 struct Yolov5Config {
   Letterbox letterbox;
-  float score_threshold = 0.001F;  // YOLOv5's own for measuring average precision; 0.25 for a clean picture
+  // 0.001 and 300 detections find the last thousandths of average precision, 0.25 gives a clean picture.
+  float score_threshold = 0.02F;
   float nms_threshold = 0.6F;
   int max_candidates = 30000;  // the best ones take part in NMS
-  int max_detections = 300;
+  int max_detections = 100;
   float mask_threshold = 0.5F;
 };
 
