@@ -136,7 +136,7 @@ TEST_F(CocoInput, TextThatIsNotJsonNamesTheByteAndTheEntry) {
   expect_text("[{\"score\": NaN}]", {"results.json: entry 0, byte", "well-formed JSON"});
   expect_text("[{\"score\": 1e999}]", {"results.json: entry 0, byte"});
   expect_text("[{\"score\": 1, \"score\": 2}]", {"entry 0: expected every key once, found \"score\" twice"});
-  expect_text("[{\"score\": 1}] trailing", {"results.json", "byte", "well-formed JSON"});
+  expect_text("[] trailing", {"results.json", "byte", "well-formed JSON"});
   expect_text(std::string("[]\0[]", 5), {"results.json, byte 2", "a zero byte"});
   expect_text(std::string(100000, '['), {"results.json: entry 0: expected nesting of at most 32 levels"});
   std::string objects;
