@@ -103,10 +103,9 @@ void check_mask_size(const JsonFields& fields, const CocoSegmentation& segmentat
               fmt::format("[{}, {}]", mask.height, mask.width));
 }
 
-CocoAnnotations read_coco_annotations(const std::filesystem::path& path) {
+CocoAnnotations read_coco_images(const std::filesystem::path& path) {
   CocoAnnotations all;
   all.file = path.string();
-  // Two passes, because annotations may stand before the images that they refer to.
   for_each_json_entry(path, {"images", "categories"}, [&](const JsonEntry& entry) {
     const JsonFields fields(entry);
     if (entry.section == "images") {
@@ -123,6 +122,12 @@ CocoAnnotations read_coco_annotations(const std::filesystem::path& path) {
       }
     }
   });
+  return all;
+}
+
+CocoAnnotations read_coco_annotations(const std::filesystem::path& path) {
+  // Two passes, because annotations may stand before the images that they refer to.
+  CocoAnnotations all = read_coco_images(path);
   std::unordered_set<std::int64_t> ids;
   for_each_json_entry(path, {"annotations"}, [&](const JsonEntry& entry) {
     const JsonFields fields(entry);

@@ -51,6 +51,10 @@ struct CocoAnnotations {
   std::unordered_map<std::int64_t, std::size_t> category_of_id;
 };
 
+// Images and categories alone; the file may have no annotations, as those of COCO's test images.
+// Errors as below.
+CocoAnnotations read_coco_images(const std::filesystem::path& path);
+
 // Throws InputError, naming file, entry, key, what was expected and what was found, for everything that is
 // missing, of another type, not finite or negative where that has no meaning, for ids that stand twice or
 // name nothing, and for masks of another size than their image. Time and memory: linear in the file.
