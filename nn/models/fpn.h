@@ -17,9 +17,8 @@
 #include <optional>
 #include <string>
 
-#include "nn/layers/channel_attention.h"
 #include "nn/layers/conv2d.h"
-#include "nn/layers/spatial_attention.h"
+#include "nn/layers/mixed_attention.h"
 #include "nn/models/weight_reader.h"
 
 namespace penumbra::nn {
@@ -35,7 +34,7 @@ class FeaturePyramid {
   FeaturePyramid(WeightReader& weights, const std::string& prefix, const std::array<int, 4>& stage_channels,
                  bool attention = true);
 
-  bool has_attention() const { return levels_.front().spatial.has_value(); }
+  bool has_attention() const { return levels_.front().attention.has_value(); }
 
   // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them.
   std::array<FeatureMap, kPyramidLevels> operator()(const std::array<FeatureMap, 4>& stages,
@@ -44,8 +43,7 @@ class FeaturePyramid {
  private:
   struct Level {
     Conv2d lateral, output;
-    std::optional<SpatialAttention> spatial;
-    std::optional<ChannelAttention> channel;
+    std::optional<MixedAttention> attention;
   };
   std::array<Level, 4> levels_;
 };
