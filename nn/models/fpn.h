@@ -17,9 +17,8 @@
 #include <optional>
 #include <string>
 
-#include "nn/layers/channel_attention.h"
 #include "nn/layers/conv2d.h"
-#include "nn/layers/spatial_attention.h"
+#include "nn/layers/mixed_attention.h"
 #include "nn/models/weight_reader.h"
 
 namespace penumbra::nn {
@@ -30,10 +29,12 @@ constexpr int kPyramidLevels = 5;  // P2..P6
 class FeaturePyramid {
  public:
   FeaturePyramid() = default;
-  // `attention` false leaves out the attention that the weights may have.
-  FeaturePyramid(WeightReader& weights, const std::string& prefix, bool attention = true);
+  // `stage_channels` are those of C2..C5. `attention` false leaves out the attention that the weights may
+  // have.
+  FeaturePyramid(WeightReader& weights, const std::string& prefix, const std::array<int, 4>& stage_channels,
+                 bool attention = true);
 
-  bool has_attention() const { return levels_.front().spatial.has_value(); }
+  bool has_attention() const { return levels_.front().attention.has_value(); }
 
   // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them.
   std::array<FeatureMap, kPyramidLevels> operator()(const std::array<FeatureMap, 4>& stages,
@@ -42,8 +43,7 @@ class FeaturePyramid {
  private:
   struct Level {
     Conv2d lateral, output;
-    std::optional<SpatialAttention> spatial;
-    std::optional<ChannelAttention> channel;
+    std::optional<MixedAttention> attention;
   };
   std::array<Level, 4> levels_;
 };
