@@ -13,6 +13,7 @@
 #include "nn/layers/coordinate_attention.h"
 #include "nn/layers/mask_paste.h"
 #include "nn/layers/pooling.h"
+#include "nn/layers/prototype_mask.h"
 #include "nn/layers/roi_align.h"
 #include "nn/layers/self_attention.h"
 #include "nn/tensor/tensor.h"
@@ -66,5 +67,9 @@ std::vector<int> batched_nms(std::span<const Box> boxes, std::span<const float> 
 // See nn/layers/mask_paste.h; the whole image's mask, row-major, 0 or 1.
 std::vector<std::uint8_t> paste_mask(std::span<const float> probabilities, int size, const Box& box,
                                      int image_width, int image_height, float threshold);
+// See nn/layers/prototype_mask.h; the whole image's mask, row-major, 0 or 1.
+std::vector<std::uint8_t> prototype_mask(const Tensor& prototypes, std::span<const float> weights,
+                                         const PrototypeFrame& frame, const Box& box, int image_width,
+                                         int image_height, float threshold);
 
 }  // namespace penumbra::nn::reference

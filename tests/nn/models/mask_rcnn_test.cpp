@@ -11,6 +11,7 @@
 #include "nn/io/coco_rle.h"
 #include "nn/io/image_file.h"
 #include "tests/support/random_network.h"
+#include "tests/support/runs.h"
 #include "tests/support/test_data.h"
 #include "weights_tools/load_weights.h"
 
@@ -20,25 +21,6 @@ namespace {
 nlohmann::json read_fixture(const std::string& name) {
   std::ifstream file(test::fixture("mask_rcnn/" + name));
   return nlohmann::json::parse(file);
-}
-
-// Intersection over union of two masks given as runs over the same image.
-double mask_iou(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
-  std::uint64_t both = 0, either = 0;
-  std::size_t i = 0, j = 0;
-  std::uint64_t left_a = a[0], left_b = b[0];
-  while (true) {
-    while (left_a == 0 && i + 1 < a.size()) left_a = a[++i];
-    while (left_b == 0 && j + 1 < b.size()) left_b = b[++j];
-    const std::uint64_t step = std::min(left_a, left_b);
-    if (step == 0) break;
-    const bool in_a = i % 2 == 1, in_b = j % 2 == 1;
-    both += in_a && in_b ? step : 0;
-    either += in_a || in_b ? step : 0;
-    left_a -= step;
-    left_b -= step;
-  }
-  return either == 0 ? 1.0 : static_cast<double>(both) / static_cast<double>(either);
 }
 
 // Whether rounding may move the mask's rectangle by a pixel: paste_mask truncates the corners of the grown
@@ -81,7 +63,7 @@ void expect_same(const std::vector<Detection>& found, const nlohmann::json& expe
     EXPECT_NEAR(nearest->score, score, tolerance.score) << "detection " << i;
     const std::vector<std::uint32_t> runs = expected["masks"][i];
     const double least_iou = on_the_edge_of_a_pixel(box, tolerance.box) ? 0.9 : tolerance.mask_iou;
-    EXPECT_GT(mask_iou(mask_runs(nearest->mask, image.width, image.height), runs), least_iou)
+    EXPECT_GT(test::mask_iou(mask_runs(nearest->mask, image.width, image.height), runs), least_iou)
         << "detection " << i;
   }
   const float least_score = expected["least_score"];
