@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "nn/base/error.h"
+#include "nn/base/text.h"
 #include "nn/io/file.h"
 
 namespace penumbra::nn {
@@ -43,6 +44,11 @@ std::vector<std::string> split(std::string_view text, std::string_view separator
 }
 
 std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place) {
+  for (const std::string& name : names) {
+    const std::string shown = printable(name);
+    if (shown != name)
+      throw InputError(place, "class names of at most 120 bytes in plain UTF-8", "'" + shown + "'");
+  }
   const int count = static_cast<int>(names.size());
   if (count == classes - 1) names.insert(names.begin(), "background");
   if (static_cast<int>(names.size()) != classes) {
