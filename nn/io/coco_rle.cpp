@@ -1,6 +1,9 @@
 #include "nn/io/coco_rle.h"
 
+#include <limits>
+
 #include "nn/base/error.h"
+#include "nn/base/text.h"
 
 namespace penumbra::nn {
 
@@ -62,7 +65,7 @@ std::vector<std::uint32_t> decode_runs(std::string_view text, std::uint64_t pixe
       const int group = i < text.size() ? text[i] - 48 : -1;
       if (group < 0 || group > 0x3F || shift > 35) {
         throw InputError(fmt::format("mask run-length code, character {}", i), "a character of the code",
-                         i < text.size() ? std::string(1, text[i]) : "the end");
+                         i < text.size() ? "'" + printable(text.substr(i, 1)) + "'" : "the end");
       }
       value |= static_cast<std::int64_t>(group & 0x1F) << shift;
       shift += 5;
@@ -71,9 +74,11 @@ std::vector<std::uint32_t> decode_runs(std::string_view text, std::uint64_t pixe
       ++i;
     }
     if (runs.size() > 2) value += runs[runs.size() - 2];
-    if (value < 0 || (total += static_cast<std::uint64_t>(value)) > pixels) {
+    if (value < 0 || value > std::numeric_limits<std::uint32_t>::max() ||
+        (total += static_cast<std::uint64_t>(value)) > pixels) {
       throw InputError(fmt::format("mask run-length code, run {}", runs.size()),
-                       fmt::format("runs of {} pixels in all", pixels), fmt::format("{}", value));
+                       fmt::format("runs of {} pixels in all, less than 2^32 each", pixels),
+                       fmt::format("{}", value));
     }
     runs.push_back(static_cast<std::uint32_t>(value));
   }

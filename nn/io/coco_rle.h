@@ -20,8 +20,8 @@ std::vector<std::uint32_t> mask_runs(const Mask& mask, int width, int height);
 
 std::string encode_runs(const std::vector<std::uint32_t>& runs);
 
-// Inverse of encode_runs. Throws InputError where the text is no such encoding or its runs pass `pixels` in
-// all.
+// Inverse of encode_runs. Throws InputError where the text is no such encoding, its runs pass `pixels` in
+// all, or one is of 2^32 pixels or more.
 std::vector<std::uint32_t> decode_runs(std::string_view text, std::uint64_t pixels);
 
 }  // namespace penumbra::nn

@@ -15,6 +15,9 @@ constexpr std::string_view kPngSignature("\x89PNG\r\n\x1a\n", 8);
 constexpr std::size_t kChunkFrame = 12;  // length, type and CRC around a chunk's data
 // Deflate cannot shrink data by more than this factor, so fewer bytes cannot hold the picture.
 constexpr std::uint64_t kMaxDeflateRatio = 1032;
+// A JPEG's Huffman codes give every block of 8 x 8 pixels at least one bit, so a byte holds at most 512
+// pixels; twice that where the components are subsampled across each other (4 x 1 and 1 x 4).
+constexpr std::uint64_t kMaxJpegPixelsPerByte = 1024;
 
 std::uint32_t big_endian(std::string_view bytes, std::size_t offset, int size) {
   std::uint32_t value = 0;
@@ -164,6 +167,12 @@ ImageSize check_jpeg(std::string_view bytes, std::string_view place) {
   }
   if (!has_scan || size.width == 0) {
     throw InputError(place, "a JPEG with a frame and a scan", "a file without one");
+  }
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+  if (pixels > kMaxJpegPixelsPerByte * bytes.size()) {
+    throw InputError(place, fmt::format("rows of a {} x {} JPEG", size.width, size.height),
+                     fmt::format("only {} bytes", bytes.size()));
   }
   return size;
 }

@@ -26,7 +26,8 @@ bool looks_like_jpeg(std::string_view bytes);
 ImageSize check_png(std::string& bytes, std::string_view place);
 
 // Walks all markers of a JPEG up to its end-of-image marker, past which anything may follow. Throws
-// InputError(place, ...). Bits that flipped inside the compressed rows are not found: JPEG has no checksum.
+// InputError(place, ...), also where so few bytes cannot hold the claimed size. Bits that flipped inside the
+// compressed rows are not found: JPEG has no checksum.
 ImageSize check_jpeg(std::string_view bytes, std::string_view place);
 
 }  // namespace penumbra::nn

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "nn/base/error.h"
+#include "nn/base/text.h"
 #include "nn/io/file.h"
 
 namespace penumbra::nn {
@@ -14,7 +15,7 @@ namespace penumbra::nn {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r\v\f";
-constexpr std::size_t kLongestQuote = 40;  // characters of a bad word that a message repeats
+constexpr std::size_t kLongestQuote = 40;  // bytes of a bad word that a message repeats
 
 double parse_number(std::string_view word, std::string_view place) {
   std::string_view digits = word;
@@ -26,7 +27,7 @@ double parse_number(std::string_view word, std::string_view place) {
   const bool is_number = error != std::errc::invalid_argument && end == digits.data() + digits.size();
   if (!is_number || !std::isfinite(value)) {
     throw InputError(place, is_number ? "a finite number" : "a number",
-                     fmt::format("'{}'", word.substr(0, kLongestQuote)));
+                     fmt::format("'{}'", printable(word, kLongestQuote)));
   }
   return value;
 }

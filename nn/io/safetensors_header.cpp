@@ -15,6 +15,8 @@ namespace penumbra::nn {
 
 namespace {
 
+constexpr std::size_t kMostDimensions = 64;  // as in PyTorch
+
 std::optional<DataType> data_type_named(std::string_view name) {
   for (const DataType type : {DataType::f64, DataType::f32, DataType::f16, DataType::bf16, DataType::i64,
                               DataType::i32, DataType::i16, DataType::i8, DataType::u8, DataType::boolean}) {
@@ -96,6 +98,9 @@ class HeaderHandler final : public nlohmann::json_sax<nlohmann::json> {
     if (state_ == State::shape) {
       if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
         fail("extents below 2^63", std::to_string(value));
+      }
+      if (header_.tensors.back().shape.size() == kMostDimensions) {
+        fail(fmt::format("a shape of at most {} extents", kMostDimensions), "more");
       }
       header_.tensors.back().shape.push_back(static_cast<std::int64_t>(value));
     } else if (state_ == State::offsets) {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "nn/base/error.h"
+#include "nn/base/text.h"
 #include "nn/io/file.h"
 #include "nn/models/coco_categories.h"
 
@@ -57,6 +58,11 @@ NameList listed_names(const StateDict& weights, const std::filesystem::path& fil
 }
 
 std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place) {
+  for (const std::string& name : names) {
+    const std::string shown = printable(name);
+    if (shown != name)
+      throw InputError(place, "class names of at most 120 bytes in plain UTF-8", "'" + shown + "'");
+  }
   const int count = static_cast<int>(names.size());
   if (classes == static_cast<int>(kCoco.size()) && count == kCocoClasses) {
     std::vector<std::string> spread(kCoco.size(), "unused");

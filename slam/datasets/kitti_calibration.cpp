@@ -69,7 +69,8 @@ StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left,
     }
   }
   camera.baseline = (P_left.values[3] - P_right.values[3]) / camera.fx;
-  if (!(camera.baseline > 0.0)) {
+  // Two finite offsets may be too far apart for a finite difference.
+  if (!(camera.baseline > 0.0 && std::isfinite(camera.baseline))) {
     throw InputError(P_right.place, fmt::format("a camera to the right of camera {} (baseline > 0)", left),
                      fmt::format("a baseline of {:g} m", camera.baseline));
   }

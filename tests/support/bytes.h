@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -11,6 +10,8 @@
 #include <iterator>
 #include <span>
 #include <string>
+
+#include "tests/support/crc32.h"
 
 namespace penumbra::test {
 
@@ -41,22 +42,6 @@ inline std::string to_hex(std::span<const std::byte> bytes) {
     hex += "0123456789abcdef"[static_cast<unsigned>(byte) & 15U];
   }
   return hex;
-}
-
-// CRC-32 of zlib and zip files; `crc` continues an earlier one.
-inline std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t crc = 0) {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> entries{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      entries[i] = i;
-      for (int bit = 0; bit < 8; ++bit) entries[i] = (entries[i] >> 1) ^ (entries[i] & 1U ? 0xEDB88320U : 0U);
-    }
-    return entries;
-  }();
-  crc = ~crc;
-  for (const std::byte byte : bytes)
-    crc = (crc >> 8) ^ table[(crc ^ static_cast<std::uint32_t>(byte)) & 0xFFU];
-  return ~crc;
 }
 
 // What `action` says when it throws the expected Exception; fails the test where it does not.

@@ -1,0 +1,205 @@
+#!/usr/bin/python3
+"""Write the hand-made inputs of tests/fuzz/corpus/<target>. Names that begin with "valid" are read, "bad" are refused.
+
+usage: make_seeds.py [OUT]        (default: tests/fuzz/corpus of this project)
+
+Findings of the fuzzer lie beside them under other names and are left alone. Needs Debian's python3-opencv for JPEGs.
+"""
+import io
+import json
+import pathlib
+import pickle
+import struct
+import sys
+import zipfile
+import zlib
+
+import cv2
+import numpy
+
+FIXTURES = pathlib.Path(__file__).parents[1] / "fixtures" / "checkpoints"
+
+
+def pickles():
+    for name in ("small_zip", "every_kind_zip", "parallel", "protocol4"):
+        with zipfile.ZipFile(FIXTURES / f"{name}.pth") as archive:
+            entry = next(e for e in archive.namelist() if e.endswith("data.pkl"))
+            yield f"valid_{name}", archive.read(entry)
+    yield "bad_no_dict", pickle.dumps([1, 2.5, "text", None, True, (1,), 1 << 70], protocol=2)
+    yield "bad_list_in_itself", b"\x80\x02]q\x00h\x00a."
+    yield "bad_dict_in_itself", b"\x80\x02}q\x00X\x05\x00\x00\x00modelh\x00s."
+    yield "bad_mark_below_values", b"\x80\x02((K\x01."
+    yield "bad_memo_far_away", b"\x80\x02Nr\x7f\x84\x1e\x00j\x7f\x84\x1e\x00."
+    yield "bad_long", b"\x80\x02\x8a\xff."
+
+
+def stored_zip(entries):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for name, data in entries.items():
+            archive.writestr(zipfile.ZipInfo(name), data)
+    return buffer.getvalue()
+
+
+def zips():
+    with zipfile.ZipFile(FIXTURES / "small_zip.pth") as archive:
+        folder = next(e for e in archive.namelist() if e.endswith("data.pkl"))[: -len("data.pkl")]
+        entries = {e[len(folder):]: archive.read(e) for e in archive.namelist()}
+    wanted = {"a/" + name: data for name, data in entries.items() if name == "data.pkl" or name.startswith("data/")}
+    good = stored_zip(wanted)
+    yield "valid_without_version", good
+    yield "valid_with_byteorder", stored_zip({**wanted, "a/byteorder": b"little"})
+    yield "bad_byteorder", stored_zip({**wanted, "a/byteorder": b"big"})
+    yield "bad_empty_archive", stored_zip({})
+    yield "bad_end_missing", good[:-22]
+    yield "bad_comment_length", good[:-2] + b"\xff\xff"
+
+
+def legacy():
+    yield "valid_small", (FIXTURES / "small_legacy.pth").read_bytes()
+    yield "bad_magic_alone", pickle.dumps(0x1950A86A20F9469CFC6C, protocol=2)
+    yield "bad_other_pickle", pickle.dumps({"weight": [1.0]}, protocol=2)
+    yield "bad_protocol_alone", b"\x80\x02"
+
+
+def safetensors(header, data=b"", length=None):
+    text = header if isinstance(header, bytes) else json.dumps(header).encode()
+    return struct.pack("<Q", len(text) if length is None else length) + text + data
+
+
+def tensor(dtype, shape, begin, end):
+    return {"dtype": dtype, "shape": shape, "data_offsets": [begin, end]}
+
+
+def safetensors_files():
+    two = {"__metadata__": {"classes": "cat,dog"}, "a": tensor("F32", [2], 0, 8), "b": tensor("BOOL", [], 8, 9)}
+    yield "valid_two_tensors", safetensors(two, bytes(9))
+    yield "valid_empty", safetensors({})
+    yield "valid_no_elements", safetensors({"a": tensor("F16", [0, 3], 0, 0)})
+    yield "valid_nan", safetensors({"a": tensor("F64", [1], 0, 8)}, b"\xff" * 8)
+    yield "bad_overlap", safetensors({"a": tensor("I8", [4], 0, 4), "b": tensor("I8", [4], 2, 6)}, bytes(6))
+    yield "bad_huge_shape", safetensors({"a": tensor("U8", [1 << 62, 4, 0], 0, 0)})
+    yield "bad_many_extents", safetensors({"a": tensor("U8", [(1 << 63) - 1] * 90, 0, 0)})
+    yield "bad_header_length", safetensors({}, length=1 << 63)
+    yield "bad_nesting", safetensors(b'{"a":' + b"[" * 500)
+    yield "bad_utf8", safetensors(b'{"\xff\xfe": 1}')
+    yield "bad_escape_in_name", safetensors(b'{"\\u001b[2J": {"dtype": "\\u001b", "shape": [], "data_offsets": [0]}}')
+    yield "bad_number", safetensors(b'{"a":{"dtype":"F32","shape":[1e400],"data_offsets":[-1,99999999999999999999]}}')
+
+
+def codes():
+    yield "valid_empty", b""
+    yield "valid_square", b"52203"
+    yield "valid_long_runs", b"PXm1`2^7n0b02N3L4K6J5L"
+    yield "bad_run_of_2_pow_32", b"PPPPPP4"
+    yield "bad_negative_run", b"0O0O"
+    yield "bad_never_ending", b"oooooooooooooooo"
+    yield "bad_character", b"52\x1b[2J"
+    yield "bad_high_byte", b"52\xff"
+
+
+def png_chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def png(width, height, depth, colour, rows, before=b"", interlace=0):
+    header = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, interlace)
+    return (b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header) + before + png_chunk(b"IDAT", zlib.compress(rows, 9)) +
+            png_chunk(b"IEND", b""))
+
+
+def images():
+    row = bytes(range(1, 7))
+    yield "valid_grey.png", png(6, 2, 8, 0, (b"\0" + row) * 2)
+    yield "valid_bits.png", png(6, 2, 1, 0, b"\0\xaa" * 2)
+    yield "valid_rgba.png", png(2, 1, 8, 6, b"\1" + bytes(8))
+    yield "valid_sixteen_bits.png", png(3, 1, 16, 0, b"\2" + row)
+    yield "valid_interlaced.png", png(2, 2, 8, 0, b"\0\1\0\2\0\3\4", interlace=1)
+    palette = png_chunk(b"PLTE", bytes(12)) + png_chunk(b"tRNS", b"\0\xff") + png_chunk(b"tEXt", b"a\0b")
+    yield "valid_palette.png", png(4, 1, 2, 3, b"\0\x1b", palette)
+    yield "bad_claims_much.png", png(1 << 13, 1 << 13, 8, 2, b"\0")
+    yield "bad_no_pixels.png", png(0, 1, 8, 0, b"\0")
+    yield "bad_palette_missing.png", png(4, 1, 2, 3, b"\0\x1b")
+    yield "bad_filter.png", png(6, 1, 8, 0, b"\x09" + row)
+    pixels = numpy.arange(24 * 17 * 3, dtype=numpy.uint32).reshape(17, 24, 3).astype(numpy.uint8)
+    for name, flags in {"": [], "_progressive": [cv2.IMWRITE_JPEG_PROGRESSIVE, 1],
+                        "_restarts": [cv2.IMWRITE_JPEG_RST_INTERVAL, 1]}.items():
+        data = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, 20] + flags)[1].tobytes()
+        yield f"valid{name}.jpg", data
+        frame = data.find(b"\xff\xc0" if not name.endswith("progressive") else b"\xff\xc2")
+        # 65535 x 2048 pixels; the rows are those of 24 x 17
+        yield f"bad{name}_claims_much.jpg", data[: frame + 5] + b"\x08\x00\xff\xff" + data[frame + 9:]
+    grey = cv2.imencode(".jpg", pixels[:, :, 0])[1].tobytes()
+    yield "valid_grey.jpg", grey
+    yield "bad_torn.jpg", grey[:-40]
+    yield "bad_no_scan.jpg", b"\xff\xd8\xff\xd9"
+
+
+def number_files():
+    yield "valid_records", b"# comment\r\n1 2 3\r\n\n-1e-3\t+2.5E+2 .5\n0 1e-400 3"
+    yield "valid_empty", b""
+    yield "bad_word", b"1 2 x\n"
+    yield "bad_nan", b"nan inf -inf\n"
+    yield "bad_overflow", b"1e400 1 1\n"
+    yield "bad_escape", b"1 \x1b[2J 3\n"
+    yield "bad_zero_byte", b"1 2 \x003\n"
+    yield "bad_sign", b"+-1 2 3"
+
+
+def calibration(P0, P1):
+    rows = {"P0": P0, "P1": P1, "P2": P0, "P3": P1}
+    return "".join(f"{name}: {' '.join(map(str, row))}\n" for name, row in rows.items()).encode()
+
+
+def calibrations():
+    P0 = [700.0, 0, 600.0, 0, 0, 700.0, 180.0, 0, 0, 0, 1, 0]
+    P1 = P0[:3] + [-380.0] + P0[4:]
+    yield "valid", calibration(P0, P1)
+    yield "bad_swapped", calibration(P1, P0)
+    yield "bad_eleven", calibration(P0[:11], P1)
+    yield "bad_baseline_overflows", calibration(P0[:3] + [1e308] + P0[4:], P0[:3] + [-1e308] + P0[4:])
+    yield "bad_focal_length", calibration([0.0] * 12, [0.0] * 12)
+    yield "bad_half", calibration(P0, P1)[:60]
+
+
+def trajectories():
+    yield "valid_kitti", b"1 0 0 0 0 1 0 0 0 0 1 0\n0 0 1 1.5 0 1 0 0 -1 0 0 2.5\n"
+    yield "valid_tum", b"# t x y z qx qy qz qw\n0.1 1 2 3 0 0 0 1\n0.2 1 2 4 0.5 0.5 0.5 0.5\n"
+    yield "bad_reflection", b"-1 0 0 0 0 1 0 0 0 0 1 0\n"
+    yield "bad_rotation_overflows", b"1e200 1e200 0 0 1e200 -1e200 0 0 0 0 1 0\n"
+    yield "bad_rotation_hides_overflow", b"1 0 1e200 0 0 1 -1e200 0 0 0 1 0\n"
+    yield "bad_quaternion", b"0 1 2 3 1e200 0 0 1\n"
+    yield "bad_time_goes_back", b"2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"
+    yield "bad_columns", b"1 2 3\n"
+
+
+def class_lists():
+    yield "valid_lines", b"background\nperson\r\n traffic light \n"
+    yield "valid_commas", b"person,car,bus"
+    yield "valid_umlauts", "Stra\u00dfe\nB\u00e4r".encode()
+    yield "bad_latin1", b"B\xe4r\ncar"
+    yield "bad_escape", b"car\n\x1b[2J"
+    yield "bad_zero_byte", b"car\n\0"
+
+
+def frame_ranges():
+    for name, text in {"valid_both": "0:100", "valid_begin": "50:", "valid_end": ":50", "valid_all": ":",
+                       "bad_minus": "-1:5", "bad_minus_zero": "-0:5", "bad_empty": "", "bad_order": "5:5",
+                       "bad_large": "0:99999999999", "bad_two_colons": "1:2:3", "bad_escape": "\x1b[2J:1"}.items():
+        yield name, text.encode()
+
+
+def write_all(out):
+    seeds = {"pickle": pickles, "torch_zip": zips, "torch_legacy": legacy, "safetensors": safetensors_files,
+             "coco_rle": codes, "image_container": images, "image_file": images, "number_file": number_files,
+             "kitti_calibration": calibrations, "trajectory": trajectories, "class_names": class_lists,
+             "frame_range": frame_ranges}
+    for target, make in seeds.items():
+        folder = out / target
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, data in make():
+            (folder / name).write_bytes(data)
+
+
+if __name__ == "__main__":
+    write_all(pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).parent / "corpus")
