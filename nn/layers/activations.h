@@ -1,13 +1,17 @@
 // Activation functions: of one number, of a vector and, in place, of every pixel of a feature map.
 //
-//   relu(x)       = max(x, 0)                      leaky_relu(x) = x where x > 0, else slope x
-//   sigmoid(x)    = 1 / (1 + exp(-x))              silu(x)       = x sigmoid(x)            (also called
-//   swish) hard_sigmoid(x) = min(max(x + 3, 0), 6) / 6    hard_swish(x) = x hard_sigmoid(x) softmax(x)_i  =
-//   exp(x_i - max x) / sum_j exp(x_j - max x)
+//   relu(x)         = max(x, 0)
+//   leaky_relu(x)   = x where x > 0, else slope x
+//   sigmoid(x)      = 1 / (1 + exp(-x))
+//   silu(x)         = x sigmoid(x)                        (also called swish)
+//   hard_sigmoid(x) = min(max(x + 3, 0), 6) / 6
+//   hard_swish(x)   = x hard_sigmoid(x)
+//   softmax(x)_i    = exp(x_i - max x) / sum_j exp(x_j - max x)
 //
-// Shapes: any; softmax of a map is over its channels, pixel by pixel. Cost: one read and one write of the
-// map, 2 to 20 operations a value; a map's border keeps its zeros. NaN stays NaN. Source:
-// torch.nn.functional; Elfwing et al. 2017 (silu); Howard et al. 2019, MobileNetV3, section 5.2
+// Shapes: any; softmax of a map is over its channels, pixel by pixel.
+// Cost: one read and one write of the map, 2 to 20 operations a value. A map's border keeps its zeros, NaN
+// stays NaN.
+// Source: torch.nn.functional; Elfwing et al. 2017 (silu); Howard et al. 2019, MobileNetV3, section 5.2
 // (hard_sigmoid, hard_swish); reference/elementwise.cpp is the oracle.
 #pragma once
 

@@ -4,10 +4,10 @@
 //   slice_channels:  y[n, c, i, j] = x[n, first + c, i, j],  0 <= c < count
 //   split:           slices that follow one another and take all channels
 //
-// Shapes: x_k [N, C_k, H, W], y [N, sum C_k, H, W]. Cost: one read and one write of every value. Channel
-// counts are free: where a part starts within a block of 16, its lanes move pixel by pixel, else whole rows
-// are copied. Source: torch.cat, torch.narrow, torch.split with dim 1; reference/elementwise.cpp is the
-// oracle.
+// Shapes: x_k [N, C_k, H, W], y [N, sum C_k, H, W]; channel counts are free.
+// Cost: one read and one write of every value. Where a part starts within a block of 16, its lanes move pixel
+// by pixel, else whole rows are copied.
+// Source: torch.cat, torch.narrow, torch.split with dim 1; reference/elementwise.cpp is the oracle.
 #pragma once
 
 #include <span>

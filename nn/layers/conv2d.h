@@ -1,8 +1,10 @@
 // 2D convolution with its epilogue (bias, residual, activation) in one pass.
 //
-//   y[n, o, i, j] = act( b[o] + sum_{k, u, v} w[o, k, u, v] x[n, g C/G + k, i s - p + u d, j s - p + v d] +
-//   r[n, o, i, j] ) with k < C/G and g = o div (O/G), the group of output channel o; H_out = floor((H + 2 p -
-//   d (K - 1) - 1) / s) + 1, the same for W;  stride s, zero padding p, dilation d, groups G
+//   y[n, o, i, j] = act( b[o] + r[n, o, i, j]
+//                        + sum_{k, u, v} w[o, k, u, v] x[n, g C/G + k, i s - p + u d, j s - p + v d] )
+//   k < C/G,  g = o div (O/G): the group of output channel o
+//   H_out = floor((H + 2 p - d (K - 1) - 1) / s) + 1, the same for W
+//   stride s, zero padding p, dilation d, groups G (C groups of one channel: depthwise)
 //
 // Shapes: x [N, C, H, W], w [O, C/G, K_h, K_w], y and r [N, O, H_out, W_out].
 // Cost: N O H_out W_out C/G K_h K_w multiply-adds (C rounded up to the input's block: 16, or 4 for images).
@@ -10,7 +12,8 @@
 // p wide (a copy is made where it is not). Where the output is one pixel an image (fully connected layers),
 // the images take the place of the pixels. Groups of whole blocks of 16 channels, in and out, run on the tile
 // kernel one after the other; narrow_groups.h does the others. The result does not depend on the number of
-// threads. Source: torch.nn.Conv2d (cross-correlation); reference/convolution.cpp is the oracle.
+// threads.
+// Source: torch.nn.Conv2d (cross-correlation); reference/convolution.cpp is the oracle.
 #pragma once
 
 #include <vector>

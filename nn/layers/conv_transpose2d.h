@@ -1,17 +1,18 @@
 // Transposed convolution: every input pixel adds its multiple of the kernel to the output.
 //
-//   y[n, o, i s - p + u d, j s - p + v d] += sum_c w[c, o, u, v] x[n, c, i, j],   then  y = act(y + b[o])
-//   H_out = (H - 1) s - 2 p + d (K - 1) + output_padding + 1, the same for W;  stride s, padding p, dilation
-//   d
+//   y[n, o, i s - p + u d, j s - p + v d] += sum_c w[c, o, u, v] x[n, c, i, j],  then  y = act(y + b[o])
+//   H_out = (H - 1) s - 2 p + d (K - 1) + output_padding + 1, the same for W
+//   stride s, padding p, dilation d
 //
 // Shapes: x [N, C, H, W], w [C, O, K_h, K_w], y [N, O, H_out, W_out].
 // Cost: N O C K_h K_w H W multiply-adds (C rounded up to 16).
-// Method: an output pixel meets the kernel rows u with i + p - u d divisible by s, and so do all pixels s
-// rows further: the s^2 phases (i mod s, j mod s) of the output are s^2 convolutions of stride 1, each with
-// its part of the kernel, on the register-tile kernel. With K = s, as in the mask head, each has one weight
-// position. x's border serves as zeros around it (a copy is made where it is too narrow). The result does not
-// depend on the number of threads. Source: torch.nn.ConvTranspose2d; Dumoulin and Visin 2016, A guide to
-// convolution arithmetic, chapter 4; reference/convolution.cpp is the oracle.
+// Method: output row i meets the kernel rows u with i + p - u d divisible by s, and so does every s-th row
+// from there. The s^2 phases (i mod s, j mod s) of the output thus are s^2 convolutions of stride 1, each
+// with its part of the kernel, on the register-tile kernel; with K = s, as in the mask head, a phase has one
+// kernel position. x's border serves as the zeros around it (a copy is made where it is too narrow). The
+// result does not depend on the number of threads.
+// Source: torch.nn.ConvTranspose2d; Dumoulin and Visin 2016, A guide to convolution arithmetic, chapter 4;
+// reference/convolution.cpp is the oracle.
 #pragma once
 
 #include <cstddef>

@@ -1,13 +1,13 @@
-// The sums of a grouped convolution whose groups are no whole blocks of 16 channels, depthwise ones first of
+// The sums of a grouped convolution whose groups are no whole blocks of 16 channels; depthwise ones first of
 // all.
 //
-//   y[n, o, i, j] = b[o] + sum_{k < C/G, u, v} w[o, k, u, v] x[n, (o div O/G) C/G + k, i s - p + u d, j s - p
-//   + v d]
+//   y[n, o, i, j] = b[o] + sum_{k, u, v} w[o, k, u, v] x[n, g C/G + k, i s - p + u d, j s - p + v d]
 //
-// Conv2d picks it where the tile kernel does not fit; see conv2d.h. Cost: N O H_out W_out C/G K_h K_w
-// multiply-adds for O rounded up to 16. Method: a weight at a time over a row of 16 output channels, which
-// stays in L1; depthwise rows read 16 neighbouring channels at once, others gather them. Source:
-// torch.nn.Conv2d(groups).
+// The letters are those of conv2d.h; Conv2d comes here where the tile kernel does not fit.
+// Cost: N O H_out W_out C/G K_h K_w multiply-adds, O rounded up to 16.
+// Method: a weight at a time over a row of 16 output channels, which stays in L1; depthwise rows read 16
+// neighbouring channels at once, others gather them.
+// Source: torch.nn.Conv2d(groups).
 #pragma once
 
 #include <vector>

@@ -122,6 +122,11 @@ FeatureMap adaptive_avg_pool(const FeatureMap& input, int height, int width, Are
   return adaptive_pool<Mean>("adaptive_avg_pool", input, height, width, arena, output_border);
 }
 
+FeatureMap adaptive_max_pool(const FeatureMap& input, int height, int width, Arena& arena,
+                             int output_border) {
+  return adaptive_pool<Maximum>("adaptive_max_pool", input, height, width, arena, output_border);
+}
+
 FeatureMap global_avg_pool(const FeatureMap& input, Arena& arena, int output_border) {
   return adaptive_pool<Mean>("global_avg_pool", input, 1, 1, arena, output_border);
 }

@@ -1,16 +1,20 @@
 // Pooling over windows and over whole maps.
 //
-//   max_pool:   y[n, c, i, j] = max_{u, v < K} x[n, c, i s - p + u, j s - p + v]   over the pixels inside the
-//   map avg_pool:   the same with the mean; the divisor is K^2 where the padding counts, else the pixels
-//   inside the map subsample:  y[n, c, i, j] = x[n, c, i s, j s]        (max_pool with K = 1; makes P6 from
-//   P5)
-//     H_out = floor((H + 2 p - K) / s) + 1
-//   adaptive_avg_pool:  the mean over rows floor(i H / H_out) to ceil((i + 1) H / H_out) - 1, columns the
-//   same global_avg_pool, global_max_pool:  mean and maximum over all pixels; y is [N, C, 1, 1]
+//   max_pool:   y[n, c, i, j] = max_{u, v < K} x[n, c, i s - p + u, j s - p + v]
+//               over the pixels inside the map
+//   avg_pool:   the same with the mean; the divisor is K^2 where the padding counts, else the number of
+//               pixels inside the map
+//   subsample:  y[n, c, i, j] = x[n, c, i s, j s]         max_pool with K = 1; makes P6 from P5
+//               H_out = floor((H + 2 p - K) / s) + 1
 //
-// Shapes: x [N, C, H, W], y [N, C, H_out, W_out]. Cost: reads x about (K / s)^2 times, once for the adaptive
-// and global ones; writes y once; one comparison or addition a value read. Means are summed row by row, which
-// keeps the rounding error of a large map small. A NaN in the window of a maximum may or may not survive.
+//   adaptive_avg_pool, adaptive_max_pool:  mean and maximum over the rows floor(i H / H_out) up to
+//               ceil((i + 1) H / H_out) - 1, the same for columns
+//   global_avg_pool, global_max_pool:      over all pixels; y is [N, C, 1, 1]
+//
+// Shapes: x [N, C, H, W], y [N, C, H_out, W_out].
+// Cost: reads x about (K / s)^2 times, once for the adaptive and global ones; writes y once; one comparison
+// or addition a value read. Means are summed row by row, which keeps the rounding error of a large map small.
+// A NaN in the window of a maximum may or may not survive.
 // Source: torch.nn.functional.max_pool2d, avg_pool2d, adaptive_avg_pool2d; reference/pooling.cpp is the
 // oracle.
 #pragma once
@@ -35,6 +39,8 @@ FeatureMap avg_pool(const FeatureMap& input, PoolOptions options, bool count_pad
                     int output_border = 0);
 
 FeatureMap adaptive_avg_pool(const FeatureMap& input, int height, int width, Arena& arena,
+                             int output_border = 0);
+FeatureMap adaptive_max_pool(const FeatureMap& input, int height, int width, Arena& arena,
                              int output_border = 0);
 FeatureMap global_avg_pool(const FeatureMap& input, Arena& arena, int output_border = 0);
 FeatureMap global_max_pool(const FeatureMap& input, Arena& arena, int output_border = 0);

@@ -2,13 +2,13 @@
 //
 // A region (x1, y1, x2, y2) in image pixels is scaled to its level's map, its extent divided into S x S bins,
 // and every bin averages G_y x G_x bilinear samples at its regular sub-centres:
-//   y[r, c, i, j] = 1/(G_y G_x) sum_{u < G_y, v < G_x} F[c, y1 + (i + (u + 0.5)/G_y) h/S, x1 + (j + (v +
-//   0.5)/G_x) w/S]
+//   y[r, c, i, j] = 1/(G_y G_x) sum_{u < G_y, v < G_x} F[c, y1 + (i + (u + 0.5)/G_y) h/S,
+//                                                           x1 + (j + (v + 0.5)/G_x) w/S]
 // Samples more than one pixel outside the map are 0; others are clamped to it.
-//   G:         the option `sampling`, or ceil(h/S) and ceil(w/S) where it is 0 (adaptive)
-//   aligned:   the region is shifted by half a pixel of the map, so that its coordinates mean pixel edges
-//   otherwise: no shift, and the extent is at least 1 x 1 pixels of the map; torchvision's detection models
-//   do this
+//   G          the option `sampling`; where that is 0 (adaptive), ceil(h/S) and ceil(w/S)
+//   aligned    the region is shifted by half a pixel of the map: coordinates mean pixel edges
+//   otherwise  no shift, and the extent is at least 1 x 1 pixels of the map, as in torchvision's detection
+//              models
 // The level of a region: k = clamp(floor(4 + log2(sqrt(w h) / 224) + 1e-6), 2, 5) - 2 of the levels P2..P5.
 //
 // Shapes: levels [1, C, H_k, W_k], output [R, C, S, S]. Cost: 4 R C S^2 G^2 multiply-adds.

@@ -1,13 +1,13 @@
 // Feature pyramid network over C2..C5, with mixed attention where the weights have it.
 //
-//   W_n  = SA(Conv1x1(C_n))                                  lateral, spatial attention           papers.md
-//   (1) W'_n = CA(W_n)                                           channel attention papers.md (2) T_n  =
-//   Upsample(T_{n+1}) + W'_n,  T_5 = W'_5             top-down                             papers.md (3) P_n
-//   = Conv3x3(T_n),  n = 2..5;   P_6 = P_5 at every second pixel
+//   W_n  = SA(Conv1x1(C_n))                        lateral, spatial attention      papers.md (1)
+//   W'_n = CA(W_n)                                 channel attention               papers.md (2)
+//   T_n  = Upsample(T_{n+1}) + W'_n,  T_5 = W'_5   top-down                        papers.md (3)
+//   P_n  = Conv3x3(T_n),  n = 2..5;                P_6 = P_5 at every second pixel
 //
 // Without attention weights SA and CA are the identity: the plain FPN. All P_n have 256 channels.
-// Weights: fpn.inner_blocks.k.0 and fpn.layer_blocks.k.0 as torchvision; attention, ours, for level k = n -
-// 2:
+// Weights: fpn.inner_blocks.k.0 and fpn.layer_blocks.k.0 as torchvision; attention, ours, for level
+// k = n - 2:
 //   fpn.attention.k.spatial.weight [1, 2, 7, 7], fpn.attention.k.channel.reduce.weight [256/r, 256],
 //   fpn.attention.k.channel.expand.weight [256, 256/r].
 // Source: Lin et al. 2017; papers.md A.1; torchvision.ops.FeaturePyramidNetwork.

@@ -52,6 +52,18 @@ Tensor window_pool(const Tensor& x, const PoolOptions& options, Value value) {
               });
 }
 
+template <class Value>
+Tensor adaptive_pool(const Tensor& x, std::int64_t height, std::int64_t width, Value value) {
+  const auto first = [](std::int64_t i, std::int64_t in, std::int64_t out) { return i * in / out; };
+  const auto end = [](std::int64_t i, std::int64_t in, std::int64_t out) {
+    return ((i + 1) * in + out - 1) / out;
+  };
+  return fill(x, height, width, [&](std::int64_t n, std::int64_t c, std::int64_t i, std::int64_t j) {
+    return value(statistics(x, n, c, first(i, x.extent(2), height), end(i, x.extent(2), height),
+                            first(j, x.extent(3), width), end(j, x.extent(3), width)));
+  });
+}
+
 }  // namespace
 
 Tensor max_pool(const Tensor& x, const PoolOptions& options) {
@@ -65,15 +77,11 @@ Tensor avg_pool(const Tensor& x, const PoolOptions& options, bool count_padding)
 }
 
 Tensor adaptive_avg_pool(const Tensor& x, std::int64_t height, std::int64_t width) {
-  const auto first = [](std::int64_t i, std::int64_t in, std::int64_t out) { return i * in / out; };
-  const auto end = [](std::int64_t i, std::int64_t in, std::int64_t out) {
-    return ((i + 1) * in + out - 1) / out;
-  };
-  return fill(x, height, width, [&](std::int64_t n, std::int64_t c, std::int64_t i, std::int64_t j) {
-    const Statistics window = statistics(x, n, c, first(i, x.extent(2), height), end(i, x.extent(2), height),
-                                         first(j, x.extent(3), width), end(j, x.extent(3), width));
-    return window.sum / window.count;
-  });
+  return adaptive_pool(x, height, width, [](const Statistics& window) { return window.sum / window.count; });
+}
+
+Tensor adaptive_max_pool(const Tensor& x, std::int64_t height, std::int64_t width) {
+  return adaptive_pool(x, height, width, [](const Statistics& window) { return window.top; });
 }
 
 Tensor global_avg_pool(const Tensor& x) {

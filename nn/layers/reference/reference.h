@@ -44,6 +44,7 @@ Tensor multiply(const Tensor& y, const Tensor& x);
 Tensor max_pool(const Tensor& x, const PoolOptions& options);
 Tensor avg_pool(const Tensor& x, const PoolOptions& options, bool count_padding);
 Tensor adaptive_avg_pool(const Tensor& x, std::int64_t height, std::int64_t width);
+Tensor adaptive_max_pool(const Tensor& x, std::int64_t height, std::int64_t width);
 Tensor global_avg_pool(const Tensor& x);
 Tensor global_max_pool(const Tensor& x);
 // See nn/layers/upsample.h; add_upsampled is y + nearest-upsampled x.

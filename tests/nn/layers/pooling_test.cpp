@@ -86,6 +86,8 @@ TEST(AdaptiveAndGlobalPools, AgreeWithTheReferenceOnRandomShapes) {
     const FeatureMap map = to_feature_map(x, arena, pick(random, 0, 1));
     expect_close(to_tensor(adaptive_avg_pool(map, height, width, arena)),
                  reference::adaptive_avg_pool(x, height, width));
+    expect_close(to_tensor(adaptive_max_pool(map, height, width, arena)),
+                 reference::adaptive_max_pool(x, height, width), 0.0F);
     expect_close(to_tensor(global_avg_pool(map, arena)), reference::global_avg_pool(x));
     expect_close(to_tensor(global_max_pool(map, arena)), reference::global_max_pool(x), 0.0F);
   }
