@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
-#include "nn/io/antialiased_resize.h"
 #include "nn/io/image_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/product_quantised.h"
@@ -24,24 +23,6 @@ namespace {
 nlohmann::json read_json(const std::filesystem::path& path) {
   std::ifstream file(path);
   return nlohmann::json::parse(file);
-}
-
-TEST(AntialiasedResize, EqualsPillowInEveryPixel) {
-  for (const nlohmann::json& expected : read_json(test::fixture("classifier/pillow_resize.json"))) {
-    const cv::Mat image = test::random_image(expected["seed"], expected["image"][0], expected["image"][1]);
-    const std::vector<int> w = expected["window"];
-    const cv::Mat found =
-        antialiased_resize(image, {expected["size"][0], expected["size"][1]}, {w[0], w[1], w[2], w[3]});
-    const std::vector<std::uint8_t> bytes(found.data, found.data + found.total() * 3);
-    EXPECT_EQ(bytes, expected["pixels"].get<std::vector<std::uint8_t>>()) << expected["image"];
-  }
-}
-
-TEST(AntialiasedResize, WindowsOutsideTheResultAreAnError) {
-  const cv::Mat image = test::random_image(1, 8, 8);
-  EXPECT_THROW(antialiased_resize(image, {4, 4}, {1, 0, 4, 4}), InputError);
-  EXPECT_THROW(antialiased_resize(image, {4, 4}, {}), InputError);
-  EXPECT_THROW(antialiased_resize({}, {4, 4}, {0, 0, 4, 4}), InputError);
 }
 
 ClassifierConfig small_images() {

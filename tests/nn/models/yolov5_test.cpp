@@ -12,9 +12,7 @@
 #include "nn/evaluation/coco_evaluation.h"
 #include "nn/io/coco_rle.h"
 #include "nn/io/image_file.h"
-#include "nn/models/class_names.h"
 #include "nn/models/coco_categories.h"
-#include "nn/models/make_network.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_models.h"
 #include "tests/support/random_network.h"
@@ -211,34 +209,6 @@ TEST(Yolov5, ShapesAreThoseOfThePublishedModels) {
   EXPECT_EQ(medium.channels, (std::array{48, 96, 192, 384, 768}));
   EXPECT_EQ(medium.backbone_repetitions, (std::array{2, 4, 6, 2}));
   EXPECT_EQ(yolov5_shape(1.25, 4.0 / 3.0, 80, false).backbone_repetitions, (std::array{4, 8, 12, 4}));
-}
-
-TEST(MakeNetwork, TellsTheNetworkByNamesOrMetadata) {
-  EXPECT_EQ(make_network(test::random_mask_rcnn(false))->name(), "Mask R-CNN ResNet-50 FPN");
-  StateDict yolov5 = test::random_yolov5({0.125, 1.0 / 3.0, 2, false, true});
-  EXPECT_EQ(make_network(yolov5)->name(), "YOLOv5 (width 0.125, depth 0.333)");
-  EXPECT_FALSE(make_network(yolov5)->has_masks());
-  EXPECT_EQ(make_network(yolov5)->classes(), 3);
-  yolov5.metadata["network"] = "yolov5";
-  EXPECT_NO_THROW(make_network(yolov5));
-  yolov5.metadata["network"] = "mask_rcnn";
-  EXPECT_THROW(make_network(yolov5), InputError);
-  yolov5.metadata["network"] = "perceptron";
-  test::expect_error<InputError>([&] { make_network(yolov5); }, {"metadata network", "'perceptron'"});
-}
-
-TEST(ClassNames, EightyNamesGoToCocosNumbers) {
-  StateDict weights;
-  std::string names;
-  for (int c = 0; c < kCocoClasses; ++c) names += fmt::format("thing-{}\n", c);
-  weights.metadata["classes"] = names;
-  const std::vector<std::string> spread = class_names(weights, 91, {});
-  EXPECT_EQ(spread[1], "thing-0");
-  EXPECT_EQ(spread[13], "thing-11") << "12 is a gap";
-  EXPECT_EQ(spread[90], "thing-79");
-  const std::vector<std::string> coco = class_names({}, 91, {});
-  EXPECT_EQ(coco[static_cast<std::size_t>(category_of_class(2, kCocoClasses))], "car");
-  EXPECT_EQ(coco[static_cast<std::size_t>(category_of_class(79, kCocoClasses))], "toothbrush");
 }
 
 }  // namespace
