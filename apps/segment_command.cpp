@@ -1,119 +1,227 @@
 // penumbra segment: images in, object instances out, as pictures and as COCO results.
 #include <fmt/format.h>
+#include <omp.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/commands.h"
 #include "apps/compute_options.h"
+#include "apps/image_list.h"
+#include "apps/network_options.h"
 #include "apps/overlay.h"
+#include "apps/progress_bar.h"
+#include "apps/segment_report.h"
 #include "nn/base/error.h"
-#include "nn/io/coco_rle.h"
-#include "nn/io/file.h"
+#include "nn/evaluation/coco_results.h"
 #include "nn/io/image_file.h"
 #include "nn/models/class_names.h"
-#include "nn/models/mask_rcnn.h"
+#include "nn/models/make_network.h"
+#include "nn/simd/isa.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
 
 namespace {
 
+constexpr const char* kExamples = R"(Examples:
+  penumbra segment street.png --weights maskrcnn.safetensors --out found
+  penumbra segment *.jpg --weights maskrcnn_resnet50_fpn.pth --out found --show-above 0.7
+  penumbra segment street.png --weights maskrcnn.safetensors --out found --json
+  penumbra segment --coco-images val2017 --annotations instances_val2017.json --weights w.safetensors --out found
+Writes results.json, COCO's result format with RLE masks, and NAME_overlay.png for every image (for a COCO set
+with --pictures). `penumbra eval-coco` evaluates the results of a set.)";
+
 struct SegmentOptions {
   std::vector<std::string> images;
+  std::string coco_images, annotations;
   std::string weights, out, classes;
   float show_above = 0.5F;
-  nn::MaskRcnnConfig network;
+  bool pictures = false, json = false;
+  nn::NetworkConfig network;
+
+  bool whole_set() const { return !coco_images.empty(); }
 };
 
-// COCO numbers its images; a file name of digits only is taken as that number, any other is kept as it is.
-nlohmann::json image_id(const std::filesystem::path& path) {
-  const std::string stem = path.stem().string();
-  const bool digits = stem.find_first_not_of("0123456789") == std::string::npos;
-  if (digits && !stem.empty() && stem.size() <= 18) return std::stoll(stem);
-  return stem;
+// The images of a run, and the data set that they belong to, if any.
+struct SegmentInput {
+  std::vector<ListedImage> images;
+  std::optional<nn::CocoAnnotations> data_set;
+};
+
+SegmentInput find_images(const SegmentOptions& options) {
+  if (options.images.empty() == options.coco_images.empty()) {
+    throw UsageError("give either images or --coco-images with --annotations");
+  }
+  SegmentInput input;
+  if (options.whole_set()) {
+    input.data_set = nn::read_coco_images(options.annotations);
+    input.images = list_coco_images(options.coco_images, *input.data_set);
+  } else {
+    input.images = list_files(options.images);
+  }
+  return input;
 }
 
-nlohmann::json coco_result(const nn::Detection& detection, const std::filesystem::path& path,
-                           const cv::Size& image) {
-  const nn::Box& box = detection.box;
-  return {{"image_id", image_id(path)},
-          {"category_id", detection.label},
-          {"bbox", {box.x1, box.y1, box.width(), box.height()}},
-          {"score", detection.score},
-          {"segmentation",
-           {{"size", {image.height, image.width}},
-            {"counts", nn::encode_runs(nn::mask_runs(detection.mask, image.width, image.height))}}}};
+// The category id of each class in the results: its number, or in a data set the category of its name.
+std::vector<std::optional<std::int64_t>> find_categories(const SegmentInput& input,
+                                                         const std::vector<std::string>& names) {
+  if (input.data_set) return category_ids(names, *input.data_set);
+  std::vector<std::optional<std::int64_t>> labels;
+  for (std::size_t label = 0; label < names.size(); ++label) labels.emplace_back(label);
+  return labels;
 }
 
-void check_names(const std::vector<std::string>& images) {
-  std::set<std::string> stems;
-  for (const std::string& image : images) {
-    if (!stems.insert(std::filesystem::path(image).stem().string()).second) {
-      throw UsageError(
-          fmt::format("{}: another image of this name is in the list, their pictures would overwrite "
-                      "each other",
-                      image));
+// One run over all images; a failed image is reported and the others are still done.
+class SegmentRun {
+ public:
+  SegmentRun(const SegmentOptions& options, const SegmentInput& input)
+      : options_(options),
+        input_(input),
+        weights_(weights_tools::load_weights(options.weights)),
+        network_(nn::make_network(weights_, options.network)),
+        names_(nn::class_names(weights_, network_->classes(), options.classes)),
+        categories_(find_categories(input, names_)) {}
+
+  void run() {
+    {
+      std::optional<ProgressBar> progress;
+      if (options_.whole_set())
+        progress.emplace("Segmenting", static_cast<int>(input_.images.size()), "images");
+      int done = 0;
+      for (const ListedImage& image : input_.images) {
+        segment(image);
+        if (progress) progress->update(++done);
+      }
+    }
+    const std::filesystem::path file = std::filesystem::path(options_.out) / "results.json";
+    results_.write(file);
+    if (left_out_ > 0) {
+      spdlog::warn("{} instances of classes that {} does not have are left out", left_out_,
+                   options_.annotations);
+    }
+    if (options_.json) {
+      print_json(file);
+    } else {
+      if (options_.whole_set()) print_summary();
+      fmt::print("COCO results: {}\n", file.string());
+    }
+    if (!failed_.empty()) {
+      throw Error(fmt::format("{} of {} images could not be read", failed_.size(), input_.images.size()));
     }
   }
-}
 
-void segment(const SegmentOptions& options) {
-  check_names(options.images);
-  const nn::StateDict weights = weights_tools::load_weights(options.weights);
-  nn::MaskRcnn network(weights, options.network);
-  const std::vector<std::string> names = nn::class_names(weights, network.classes(), options.classes);
-  const std::filesystem::path out = options.out;
-  std::filesystem::create_directories(out);
-
-  nlohmann::json results = nlohmann::json::array();
-  int failed = 0;
-  for (const std::string& path : options.images) {
+ private:
+  void segment(const ListedImage& listed) {
     cv::Mat image;
     try {
-      image = nn::read_image(path, nn::ImageColour::bgr);
-    } catch (const Error& error) {  // the other images are still done
+      image = read_listed_image(listed);
+    } catch (const Error& error) {
       spdlog::error("{}", error.what());
-      ++failed;
-      continue;
+      failed_.push_back(listed.path.string());
+      return;
     }
     const auto start = std::chrono::steady_clock::now();
-    const std::vector<nn::Detection> detections = network(image);
+    const std::vector<nn::Detection> detections = (*network_)(image);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds_ += seconds;
+    ++segmented_;
+    for (const nn::Detection& detection : detections) add_result(listed, detection, image.size());
+    report(listed, image, detections, seconds);
+  }
 
-    const std::filesystem::path picture =
-        out / (std::filesystem::path(path).stem().string() + "_overlay.png");
-    nn::write_image(picture, draw_overlay(image, detections, names, options.show_above));
-    fmt::print("{}: {} x {}, {} instances in {:.2f} s -> {}\n", path, image.cols, image.rows,
-               detections.size(), seconds, picture.string());
-    for (const nn::Detection& detection : detections) {
-      results.push_back(coco_result(detection, path, image.size()));
-      if (detection.score < options.show_above) continue;
-      const nn::Box& box = detection.box;
-      fmt::print("  {:<16} {:.3f}  ({:.1f}, {:.1f}) - ({:.1f}, {:.1f})\n",
-                 names[static_cast<std::size_t>(detection.label)], detection.score, box.x1, box.y1, box.x2,
-                 box.y2);
+  void add_result(const ListedImage& listed, const nn::Detection& detection, const cv::Size& size) {
+    const auto& category = categories_[static_cast<std::size_t>(detection.label)];
+    if (category) {
+      results_.add(listed.id, *category, detection, size.width, size.height);
+    } else {
+      ++left_out_;
     }
   }
-  nn::write_file(out / "results.json", results.dump(1) + "\n");
-  fmt::print("COCO results: {}\n", (out / "results.json").string());
-  if (failed > 0)
-    throw Error(fmt::format("{} of {} images could not be read", failed, options.images.size()));
+
+  void report(const ListedImage& listed, const cv::Mat& image, const std::vector<nn::Detection>& detections,
+              double seconds) {
+    SegmentedImage segmented{listed.path, image.size(), detections, seconds, std::nullopt};
+    if (options_.pictures || !options_.whole_set()) {
+      segmented.picture = std::filesystem::path(options_.out) / picture_name(listed);
+      nn::write_image(*segmented.picture, draw_overlay(image, detections, names_, options_.show_above));
+    }
+    if (options_.json) {
+      report_.push_back(image_json(segmented, names_,
+                                   options_.whole_set() ? std::nullopt : std::optional(options_.show_above)));
+    } else if (!options_.whole_set()) {
+      fmt::print("{}", image_text(segmented, names_, options_.show_above));
+    }
+  }
+
+  void print_summary() const {
+    fmt::print("{} images, {} instances, {:.3f} s an image, {:.0f} MB of activations\n", segmented_,
+               results_.size() + left_out_, segmented_ > 0 ? seconds_ / segmented_ : 0.0,
+               static_cast<double>(network_->arena().bytes()) * 1e-6);
+  }
+
+  void print_json(const std::filesystem::path& results) const {
+    const nlohmann::ordered_json json = {{"network", network_->name()},
+                                         {"isa", nn::to_string(nn::current_isa())},
+                                         {"threads", omp_get_max_threads()},
+                                         {"peak_arena_bytes", network_->arena().bytes()},
+                                         {"seconds", seconds_},
+                                         {"instances", results_.size() + left_out_},
+                                         {"results", results.string()},
+                                         {"failed", failed_},
+                                         {"images", report_}};
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  }
+
+  const SegmentOptions& options_;
+  const SegmentInput& input_;
+  nn::StateDict weights_;
+  std::unique_ptr<nn::InstanceSegmenter> network_;
+  std::vector<std::string> names_;
+  std::vector<std::optional<std::int64_t>> categories_;
+  nn::CocoResultsWriter results_;
+  nlohmann::ordered_json report_ = nlohmann::ordered_json::array();  // an entry an image
+  std::vector<std::string> failed_;
+  std::size_t left_out_ = 0;
+  int segmented_ = 0;
+  double seconds_ = 0.0;
+};
+
+void segment(const SegmentOptions& options) {
+  const SegmentInput input = find_images(options);
+  if (options.pictures || !options.whole_set()) check_picture_names(input.images);
+  SegmentRun run(options, input);
+  std::filesystem::create_directories(options.out);
+  run.run();
 }
 
 }  // namespace
 
 void add_segment_command(CLI::App& app) {
   auto options = std::make_shared<SegmentOptions>();
-  CLI::App* command = app.add_subcommand("segment", "Find object instances in images with Mask R-CNN");
-  command->add_option("images", options->images, "PNG or JPEG images")->required();
-  command->add_option("--weights", options->weights, "weights in torchvision's layout: safetensors or .pth")
+  CLI::App* command =
+      app.add_subcommand("segment", "Find object instances in images with Mask R-CNN or YOLOv5");
+  command->add_option("images", options->images, "PNG or JPEG images");
+  CLI::Option* coco_images =
+      command->add_option("--coco-images", options->coco_images, "folder with the images of a COCO data set");
+  CLI::Option* annotations = command->add_option(
+      "--annotations", options->annotations,
+      "the data set's instances JSON: file names, sizes and ids; classes go by its names");
+  coco_images->needs(annotations);
+  annotations->needs(coco_images);
+  command->add_flag("--pictures", options->pictures, "draw the pictures of a COCO data set too")
+      ->needs(coco_images);
+  command->add_flag("--json", options->json,
+                    "print JSON instead of text: images, seconds, peak_arena_bytes, threads, isa");
+  command
+      ->add_option("--weights", options->weights,
+                   "Mask R-CNN (torchvision's names) or YOLOv5: safetensors or .pth")
       ->required();
   command->add_option("--out", options->out, "folder for the pictures and results.json; made if missing")
       ->required();
@@ -124,31 +232,10 @@ void add_segment_command(CLI::App& app) {
                    "least score of instances in the picture and the list")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
-  command
-      ->add_option("--min-size", options->network.transform.min_size, "shorter side at the network, pixels")
-      ->capture_default_str()
-      ->check(CLI::Range(32, 4096));
-  command
-      ->add_option("--max-size", options->network.transform.max_size, "longest side at the network, pixels")
-      ->capture_default_str()
-      ->check(CLI::Range(32, 8192));
-  command
-      ->add_option("--score-threshold", options->network.box_head.score_threshold,
-                   "least score of any instance")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--max-detections", options->network.box_head.max_detections, "most instances an image")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  command->add_flag("!--no-attention", options->network.attention,
-                    "leave the weights' attention out: the baseline network");
+  add_network_options(command, options->network);
   add_threads_option(command);
   add_isa_option(command);
-  command->footer(
-      "Examples:\n"
-      "  penumbra segment street.png --weights maskrcnn.safetensors --out found\n"
-      "  penumbra segment *.jpg --weights maskrcnn_resnet50_fpn.pth --out found --show-above 0.7\n"
-      "Writes NAME_overlay.png for every image and results.json, COCO's result format with RLE masks.");
+  command->footer(kExamples);
   command->callback([options] { segment(*options); });
 }
 

@@ -2,8 +2,9 @@
 
 #include <memory>
 
+#include "nn/base/error.h"
 #include "nn/models/class_names.h"
-#include "nn/models/mask_rcnn.h"
+#include "nn/models/make_network.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
@@ -29,7 +30,13 @@ slam::Instance to_instance(const nn::Detection& detection, const std::vector<std
 
 slam::Segmenter load_segmenter(const std::filesystem::path& path, const std::filesystem::path& classes) {
   const nn::StateDict weights = weights_tools::load_weights(path);
-  const auto network = std::make_shared<nn::MaskRcnn>(weights);
+  nn::NetworkConfig config;
+  config.yolov5.score_threshold = config.mask_rcnn.box_head.score_threshold;
+  const std::shared_ptr<nn::InstanceSegmenter> network = nn::make_network(weights, config);
+  if (!network->has_masks()) {
+    throw InputError(path.string(), "weights of a network that finds masks",
+                     network->name() + ", boxes only");
+  }
   return [network, names = nn::class_names(weights, network->classes(), classes)](const cv::Mat& image) {
     std::vector<slam::Instance> instances;
     for (const nn::Detection& detection : (*network)(image)) {

@@ -37,11 +37,12 @@ nlohmann::json ground_truth_json(const slam::Evaluation& e) {
 }  // namespace
 
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
-  int filter_kept = 0, filter_removed = 0;
+  int filter_kept = 0, filter_removed = 0, movable_features = 0;
   std::vector<int> lost_frames;
   for (const slam::FrameResult& result : slam.results()) {
     filter_kept += result.tracking.filter.kept;
     filter_removed += result.tracking.filter.removed;
+    movable_features += result.movable_features;
     if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
   }
   int map_points = 0;
@@ -57,6 +58,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["lost_frames"] = lost_frames;
   json["keyframes"] = slam.map().keyframes().size();
   json["map_points"] = map_points;
+  json["movable_features"] = movable_features;
   for (const auto& [stage, times] : slam.timer().stages()) {
     const double median = rounded(slam::quantile_of(times, 0.5));
     if (stage == "frame") {

@@ -1,19 +1,25 @@
-// 2D convolution with its epilogue (bias, residual, ReLU) in one pass.
+// 2D convolution with its epilogue (bias, residual, activation) in one pass.
 //
-//   y[n, o, i, j] = act( b[o] + sum_{c, u, v} w[o, c, u, v] x[n, c, i s - p + u d, j s - p + v d] + r[n, o,
-//   i, j] ) H_out = floor((H + 2 p - d (K - 1) - 1) / s) + 1, the same for W;  stride s, zero padding p,
-//   dilation d
+//   y[n, o, i, j] = act( b[o] + r[n, o, i, j]
+//                        + sum_{k, u, v} w[o, k, u, v] x[n, g C/G + k, i s - p + u d, j s - p + v d] )
+//   k < C/G,  g = o div (O/G): the group of output channel o
+//   H_out = floor((H + 2 p - d (K - 1) - 1) / s) + 1, the same for W
+//   stride s, zero padding p, dilation d, groups G (C groups of one channel: depthwise)
 //
-// Shapes: x [N, C, H, W], w [O, C, K_h, K_w], y and r [N, O, H_out, W_out].
-// Cost: N O H_out W_out C K_h K_w multiply-adds (C rounded up to the input's block: 16, or 4 for images).
+// Shapes: x [N, C, H, W], w [O, C/G, K_h, K_w], y and r [N, O, H_out, W_out].
+// Cost: N O H_out W_out C/G K_h K_w multiply-adds (C rounded up to the input's block: 16, or 4 for images).
 // Method: direct, on the register-tile kernel; x's border serves as the zero padding and so must be at least
 // p wide (a copy is made where it is not). Where the output is one pixel an image (fully connected layers),
-// the images take the place of the pixels. The result does not depend on the number of threads. Source:
-// torch.nn.Conv2d (cross-correlation); reference/conv2d.cpp is the oracle.
+// the images take the place of the pixels. Groups of whole blocks of 16 channels, in and out, run on the tile
+// kernel one after the other; narrow_groups.h does the others. The result does not depend on the number of
+// threads.
+// Source: torch.nn.Conv2d (cross-correlation); reference/convolution.cpp is the oracle.
 #pragma once
 
 #include <vector>
 
+#include "nn/layers/activations.h"
+#include "nn/layers/narrow_groups.h"
 #include "nn/layers/packed_weights.h"
 #include "nn/tensor/feature_map.h"
 #include "nn/tensor/tensor.h"
@@ -24,14 +30,17 @@ struct Conv2dOptions {
   int stride = 1;
   int padding = 0;
   int dilation = 1;
+  int groups = 1;
   Activation activation = Activation::none;
+  float slope = kDefaultSlope;  // of leaky_relu
 };
 
 class Conv2d {
  public:
   Conv2d() = default;
   // `bias` is empty for none. `input_block` is the block of the maps that it will read. Throws InputError
-  // where the weight is not of rank 4 or the bias is not one value an output channel.
+  // where the weight is not of rank 4, the bias is not one value an output channel or the groups do not
+  // divide the output channels.
   Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptions options,
          int input_block = kBlock);
 
@@ -40,7 +49,7 @@ class Conv2d {
   FeatureMap operator()(const FeatureMap& input, Arena& arena, int output_border = 0,
                         const FeatureMap* residual = nullptr) const;
 
-  int output_channels() const { return weights_.outputs(); }
+  int output_channels() const { return outputs_; }
   // Multiply-adds for an input of height x width pixels, counted without the padding of channels to blocks.
   double multiply_adds(int height, int width) const;
 
@@ -54,9 +63,12 @@ class Conv2d {
   void over_images(const FeatureMap& input, const std::ptrdiff_t* taps, const FeatureMap* residual,
                    FeatureMap& output) const;
 
+  void over_rows(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output) const;
+
   Conv2dOptions options_;
-  int input_channels_ = 0, kernel_height_ = 0, kernel_width_ = 0, input_block_ = kBlock;
-  PackedWeights weights_;
+  int input_channels_ = 0, outputs_ = 0, kernel_height_ = 0, kernel_width_ = 0, input_block_ = kBlock;
+  std::vector<PackedWeights> groups_;  // one a group, or none where narrow_ does the work
+  NarrowGroups narrow_;
 };
 
 // A fully connected layer y = W x + b over maps [N, C, H, W] is the convolution whose kernel is the whole

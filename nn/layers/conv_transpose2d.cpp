@@ -1,31 +1,72 @@
 #include "nn/layers/conv_transpose2d.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "nn/base/error.h"
 
 namespace penumbra::nn {
 
-ConvTranspose2d::ConvTranspose2d(const Tensor& weight, const std::vector<float>& bias, Activation activation)
-    : activation_(activation) {
-  if (weight.shape.size() != 4 || weight.extent(2) != weight.extent(3)) {
-    throw InputError("conv_transpose2d", "a weight [C, O, s, s]", to_string(weight.shape));
+namespace {
+
+// Kernel positions u of one axis that the outputs i = phase (mod stride) meet, and the input that they meet
+// there, counted from i div stride.
+struct AxisTap {
+  int position, offset;
+};
+
+std::vector<AxisTap> axis_taps(int phase, int kernel, const ConvTranspose2dOptions& options) {
+  std::vector<AxisTap> taps;
+  for (int u = 0; u < kernel; ++u) {
+    const int distance = phase + options.padding - u * options.dilation;
+    if (distance % options.stride == 0) taps.push_back({u, distance / options.stride});
+  }
+  return taps;
+}
+
+}  // namespace
+
+ConvTranspose2d::ConvTranspose2d(const Tensor& weight, const std::vector<float>& bias,
+                                 ConvTranspose2dOptions options)
+    : options_(options) {
+  if (weight.shape.size() != 4) {
+    throw InputError("conv_transpose2d", "a weight [C, O, K, K]", to_string(weight.shape));
   }
   input_channels_ = static_cast<int>(weight.extent(0));
-  const int outputs = static_cast<int>(weight.extent(1));
-  stride_ = static_cast<int>(weight.extent(2));
-  if (!bias.empty() && static_cast<int>(bias.size()) != outputs) {
-    throw InputError("conv_transpose2d", fmt::format("{} biases", outputs), fmt::format("{}", bias.size()));
+  outputs_ = static_cast<int>(weight.extent(1));
+  kernel_height_ = static_cast<int>(weight.extent(2));
+  kernel_width_ = static_cast<int>(weight.extent(3));
+  if (!bias.empty() && static_cast<int>(bias.size()) != outputs_) {
+    throw InputError("conv_transpose2d", fmt::format("{} biases", outputs_), fmt::format("{}", bias.size()));
   }
-  for (int u = 0; u < stride_; ++u) {
-    for (int v = 0; v < stride_; ++v) {
-      positions_.emplace_back(
-          outputs, (input_channels_ + kBlock - 1) / kBlock, kBlock,
+  if (options.stride < 1 || options.dilation < 1 || options.padding < 0 || options.output_padding < 0 ||
+      options.output_padding >= std::max(options.stride, options.dilation)) {
+    throw InputError("conv_transpose2d",
+                     "stride and dilation >= 1, padding >= 0, 0 <= output padding < stride or dilation",
+                     fmt::format("{}, {}, {}, {}", options.stride, options.dilation, options.padding,
+                                 options.output_padding));
+  }
+  const int blocks = (input_channels_ + kBlock - 1) / kBlock;
+  for (int row = 0; row < options.stride; ++row) {
+    for (int column = 0; column < options.stride; ++column) {
+      Phase phase{row, column, {}, {}};
+      std::vector<Offset> positions;
+      for (const AxisTap& u : axis_taps(row, kernel_height_, options)) {
+        for (const AxisTap& v : axis_taps(column, kernel_width_, options)) {
+          positions.push_back({u.position, v.position});
+          phase.offsets.push_back({u.offset, v.offset});
+        }
+      }
+      const int count = static_cast<int>(positions.size());
+      phase.weights = PackedWeights(
+          outputs_, blocks * count, kBlock,
           [&](int o, int tap, int c) {
-            const int channel = tap * kBlock + c;
-            return channel < input_channels_ ? weight.at(channel, o, u, v) : 0.0F;
+            const int channel = tap / count * kBlock + c;
+            const Offset& position = positions[static_cast<std::size_t>(tap % count)];
+            return channel < input_channels_ ? weight.at(channel, o, position.y, position.x) : 0.0F;
           },
           bias);
+      phases_.push_back(std::move(phase));
     }
   }
 }
@@ -35,47 +76,77 @@ FeatureMap ConvTranspose2d::operator()(const FeatureMap& input, Arena& arena, in
     throw InputError("conv_transpose2d", fmt::format("{} input channels", input_channels_),
                      fmt::format("{}", input.channels()));
   }
-  const int outputs = positions_.front().outputs(), tiles = positions_.front().tiles();
-  FeatureMap output(arena, input.images(), outputs, input.height() * stride_, input.width() * stride_,
-                    output_border);
+  const auto extent = [&](int in, int kernel) {
+    return (in - 1) * options_.stride - 2 * options_.padding + options_.dilation * (kernel - 1) +
+           options_.output_padding + 1;
+  };
+  const int height = extent(input.height(), kernel_height_), width = extent(input.width(), kernel_width_);
+  if (height < 1 || width < 1) {
+    throw InputError("conv_transpose2d", "padding that leaves some of the output",
+                     fmt::format("{} x {} with padding {}", input.height(), input.width(), options_.padding));
+  }
+  // How far the taps reach beyond the input.
+  int border = 0;
+  std::size_t most_taps = 0;
+  for (const Phase& phase : phases_) {
+    most_taps = std::max(most_taps, static_cast<std::size_t>(phase.weights.taps()));
+    for (const Offset& offset : phase.offsets) {
+      border = std::max({border, -offset.y, -offset.x,
+                         (height - 1) / options_.stride + offset.y - input.height() + 1,
+                         (width - 1) / options_.stride + offset.x - input.width() + 1});
+    }
+  }
+  if (input.border() < border) return (*this)(with_border(input, arena, border), arena, output_border);
 
-  const int taps_needed = positions_.front().taps();
-  const ArenaBuffer tap_memory = arena.allocate(static_cast<std::size_t>(taps_needed) * 2);
+  FeatureMap output(arena, input.images(), outputs_, height, width, output_border);
+  const ArenaBuffer tap_memory = arena.allocate(most_taps * 2);
   auto* taps = reinterpret_cast<std::ptrdiff_t*>(tap_memory.data());
-  for (int b = 0; b < taps_needed; ++b) taps[b] = b * input.block_stride();
+  for (const Phase& phase : phases_) run_phase(phase, input, taps, output);
+  if (options_.activation != Activation::none && options_.activation != Activation::relu) {
+    activate(output, options_.activation, options_.slope);
+  }
+  return output;
+}
 
-  const int step = positions_.front().tile_pixels();
-  const int segments = (input.width() + step - 1) / step;
+void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, std::ptrdiff_t* taps,
+                                FeatureMap& output) const {
+  const int stride = options_.stride;
+  const int rows = (output.height() - phase.row + stride - 1) / stride;
+  const int columns = (output.width() - phase.column + stride - 1) / stride;
+  std::ptrdiff_t* next = taps;
+  for (int b = 0; b < input.blocks(); ++b) {
+    for (const Offset& offset : phase.offsets) {
+      *next++ = b * input.block_stride() + offset.y * input.row_stride() +
+                static_cast<std::ptrdiff_t>(offset.x) * input.block();
+    }
+  }
+  const int step = phase.weights.tile_pixels(), segments = (columns + step - 1) / step;
 #pragma omp parallel for collapse(3) schedule(dynamic)
   for (int n = 0; n < input.images(); ++n) {
-    for (int position = 0; position < stride_ * stride_; ++position) {
-      for (int t = 0; t < tiles; ++t) {
-        const PackedWeights& weights = positions_[static_cast<std::size_t>(position)];
-        const WeightTile tile = weights.tile(t);
+    for (int t = 0; t < phase.weights.tiles(); ++t) {
+      for (int y = 0; y < rows; ++y) {
+        const WeightTile tile = phase.weights.tile(t);
         TileArguments a;
         a.input_pixel_stride = input.block();
         a.taps = taps;
-        a.tap_count = taps_needed;
+        a.tap_count = phase.weights.taps();
         a.depth = kBlock;
         a.weights = tile.weights;
         a.bias = tile.bias;
-        a.output_pixel_stride = static_cast<std::ptrdiff_t>(stride_) * output.block();
+        a.output_pixel_stride = static_cast<std::ptrdiff_t>(stride) * output.block();
         a.output_block_stride = output.block_stride();
-        a.lower_bound = activation_ == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
-        for (int y = 0; y < input.height(); ++y) {
-          for (int s = 0; s < segments; ++s) {
-            const int x = input.width() * s / segments, end = input.width() * (s + 1) / segments;
-            a.input = input.pixel(n, 0, y, x);
-            a.output = output.pixel(n, tile.block, y * stride_ + position / stride_,
-                                    x * stride_ + position % stride_) +
-                       tile.lane;
-            weights.kernel(tile, end - x)(a);
-          }
+        a.lower_bound =
+            options_.activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
+        for (int s = 0; s < segments; ++s) {
+          const int x = columns * s / segments, end = columns * (s + 1) / segments;
+          a.input = input.pixel(n, 0, y, x);
+          a.output =
+              output.pixel(n, tile.block, y * stride + phase.row, x * stride + phase.column) + tile.lane;
+          phase.weights.kernel(tile, end - x)(a);
         }
       }
     }
   }
-  return output;
 }
 
 }  // namespace penumbra::nn

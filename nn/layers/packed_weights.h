@@ -51,7 +51,4 @@ class PackedWeights {
   std::vector<float> bias_;
 };
 
-// What every multiplying layer does after its sums.
-enum class Activation { none, relu };
-
 }  // namespace penumbra::nn

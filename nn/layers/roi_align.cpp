@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "nn/base/error.h"
+
 namespace penumbra::nn {
 
 namespace {
@@ -24,16 +26,85 @@ AxisSample sample_axis(float position, int extent) {
   return {low, low + 1, 1.0F - fraction, fraction};
 }
 
-// The samples of all bins along one axis, bin by bin.
-void sample_bins(float start, float extent, RoiAlignOptions options, int map_extent, AxisSample* samples) {
+// The samples of all bins along one axis of a region, bin by bin.
+struct Axis {
+  int sampling = 0;                 // G
+  std::vector<AxisSample> samples;  // size * sampling of them
+};
+
+// `low` and `high` are the region's ends in pixels of the map.
+void sample_bins(float low, float high, const RoiAlignOptions& options, int map_extent, Axis& axis) {
+  const float shift = options.aligned ? 0.5F : 0.0F, start = low - shift;
+  const float extent = options.aligned ? high - low : std::max(high - low, 1.0F);
   const float bin = extent / static_cast<float>(options.size);
+  axis.sampling = options.sampling;
+  if (options.sampling == 0) {
+    // The comparison is false for NaN, so that the conversion has a number to work on.
+    const float wanted = std::ceil(bin);
+    axis.sampling = wanted > 0.0F ? static_cast<int>(std::min(wanted, float{kMaxAdaptiveSampling})) : 0;
+  }
+  axis.samples.clear();
   for (int i = 0; i < options.size; ++i) {
-    for (int u = 0; u < options.sampling; ++u) {
+    for (int u = 0; u < axis.sampling; ++u) {
       const float position = start + static_cast<float>(i) * bin +
-                             (static_cast<float>(u) + 0.5F) * bin / static_cast<float>(options.sampling);
-      *samples++ = sample_axis(position, map_extent);
+                             (static_cast<float>(u) + 0.5F) * bin / static_cast<float>(axis.sampling);
+      axis.samples.push_back(sample_axis(position, map_extent));
     }
   }
+}
+
+void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, int size, int region,
+                  FeatureMap& output) {
+  const float share = 1.0F / static_cast<float>(std::max(rows.sampling * columns.sampling, 1));
+  for (int b = 0; b < map.blocks(); ++b) {
+    for (int i = 0; i < size; ++i) {
+      for (int j = 0; j < size; ++j) {
+        float sum[kBlock] = {};
+        for (int u = 0; u < rows.sampling; ++u) {
+          const AxisSample& row = rows.samples[static_cast<std::size_t>(i * rows.sampling + u)];
+          for (int v = 0; v < columns.sampling; ++v) {
+            const AxisSample& column = columns.samples[static_cast<std::size_t>(j * columns.sampling + v)];
+            const float* p00 = map.pixel(0, b, row.low, column.low);
+            const float* p01 = map.pixel(0, b, row.low, column.high);
+            const float* p10 = map.pixel(0, b, row.high, column.low);
+            const float* p11 = map.pixel(0, b, row.high, column.high);
+            const float w00 = row.low_weight * column.low_weight, w01 = row.low_weight * column.high_weight;
+            const float w10 = row.high_weight * column.low_weight, w11 = row.high_weight * column.high_weight;
+            for (int c = 0; c < kBlock; ++c) {
+              sum[c] += w00 * p00[c] + w01 * p01[c] + w10 * p10[c] + w11 * p11[c];
+            }
+          }
+        }
+        float* out = output.pixel(region, b, i, j);
+        for (int c = 0; c < kBlock; ++c) out[c] = sum[c] * share;
+      }
+    }
+  }
+}
+
+// level(r) is the level that region r is read from.
+template <class LevelOf>
+FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions options, Arena& arena,
+                 int output_border, LevelOf level_of) {
+  if (options.size < 1 || options.sampling < 0) {
+    throw InputError("roi_align", "size >= 1 and sampling >= 0",
+                     fmt::format("{} and {}", options.size, options.sampling));
+  }
+  FeatureMap output(arena, static_cast<int>(regions.size()), channels, options.size, options.size,
+                    output_border);
+#pragma omp parallel
+  {
+    Axis rows, columns;
+#pragma omp for schedule(dynamic, 4)
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+      const PyramidLevel level = level_of(regions[r]);
+      const Box& box = regions[r];
+      sample_bins(box.y1 * level.scale, box.y2 * level.scale, options, level.map->height(), rows);
+      sample_bins(box.x1 * level.scale, box.x2 * level.scale, options, level.map->width(), columns);
+      align_region(*level.map, rows, columns, options.size, static_cast<int>(r), output);
+    }
+  }
+  return output;
 }
 
 }  // namespace
@@ -45,56 +116,19 @@ int roi_level(const Box& box, int levels) {
   return static_cast<int>(std::clamp(level, kFinest, kFinest + static_cast<float>(levels - 1)) - kFinest);
 }
 
+FeatureMap roi_align(const FeatureMap& map, float scale, std::span<const Box> regions,
+                     RoiAlignOptions options, Arena& arena, int output_border) {
+  return align(map.channels(), regions, options, arena, output_border, [&](const Box&) {
+    return PyramidLevel{&map, scale};
+  });
+}
+
 FeatureMap multi_scale_roi_align(std::span<const PyramidLevel> levels, std::span<const Box> regions,
                                  RoiAlignOptions options, Arena& arena, int output_border) {
-  const int size = options.size, sampling = options.sampling;
-  const int channels = levels.front().map->channels();
-  FeatureMap output(arena, static_cast<int>(regions.size()), channels, size, size, output_border);
-  const float share = 1.0F / static_cast<float>(sampling * sampling);
-
-#pragma omp parallel
-  {
-    std::vector<AxisSample> rows(static_cast<std::size_t>(size * sampling)), columns(rows.size());
-#pragma omp for schedule(dynamic, 4)
-    for (std::size_t r = 0; r < regions.size(); ++r) {
-      const PyramidLevel& level =
-          levels[static_cast<std::size_t>(roi_level(regions[r], static_cast<int>(levels.size())))];
-      const FeatureMap& map = *level.map;
-      const float x1 = regions[r].x1 * level.scale, y1 = regions[r].y1 * level.scale;
-      const float width = std::max(regions[r].x2 * level.scale - x1, 1.0F);
-      const float height = std::max(regions[r].y2 * level.scale - y1, 1.0F);
-      sample_bins(y1, height, options, map.height(), rows.data());
-      sample_bins(x1, width, options, map.width(), columns.data());
-
-      for (int b = 0; b < map.blocks(); ++b) {
-        for (int i = 0; i < size; ++i) {
-          for (int j = 0; j < size; ++j) {
-            float sum[kBlock] = {};
-            for (int u = 0; u < sampling; ++u) {
-              const AxisSample& row = rows[static_cast<std::size_t>(i * sampling + u)];
-              for (int v = 0; v < sampling; ++v) {
-                const AxisSample& column = columns[static_cast<std::size_t>(j * sampling + v)];
-                const float* p00 = map.pixel(0, b, row.low, column.low);
-                const float* p01 = map.pixel(0, b, row.low, column.high);
-                const float* p10 = map.pixel(0, b, row.high, column.low);
-                const float* p11 = map.pixel(0, b, row.high, column.high);
-                const float w00 = row.low_weight * column.low_weight,
-                            w01 = row.low_weight * column.high_weight;
-                const float w10 = row.high_weight * column.low_weight,
-                            w11 = row.high_weight * column.high_weight;
-                for (int c = 0; c < kBlock; ++c) {
-                  sum[c] += w00 * p00[c] + w01 * p01[c] + w10 * p10[c] + w11 * p11[c];
-                }
-              }
-            }
-            float* out = output.pixel(static_cast<int>(r), b, i, j);
-            for (int c = 0; c < kBlock; ++c) out[c] = sum[c] * share;
-          }
-        }
-      }
-    }
-  }
-  return output;
+  if (levels.empty()) throw InputError("roi_align", "at least one level", "none");
+  return align(levels.front().map->channels(), regions, options, arena, output_border, [&](const Box& box) {
+    return levels[static_cast<std::size_t>(roi_level(box, static_cast<int>(levels.size())))];
+  });
 }
 
 }  // namespace penumbra::nn

@@ -1,12 +1,12 @@
 // Spatial attention: where in the image to look.
 //
-//   A_s(F) = sigmoid( Conv7x7( [ max_c F ; mean_c F ] ) )         [N, 2, H, W] -> [N, 1, H, W]     papers.md
-//   (4) M_s(F) = A_s(F) (x) F                                         broadcast over the channels papers.md
-//   (5)
+//   A_s(F) = sigmoid( Conv7x7( [ max_c F ; mean_c F ] ) )    [N, 2, H, W] -> [N, 1, H, W]    papers.md (4)
+//   M_s(F) = A_s(F) (x) F                                    broadcast over the channels     papers.md (5)
 //
-// The 7 x 7 convolution pads with 3 zeros and has no bias. Cost: 98 N H W multiply-adds for the convolution
-// (as computed: 28 channels x 7 rows x 16 outputs), 2 reads and 1 write of F. Source: Woo et al. 2018, CBAM,
-// equation 3; reference/attention.cpp is the oracle.
+// The 7 x 7 convolution pads with 3 zeros and has no bias.
+// Cost: 98 N H W multiply-adds for the convolution (as computed: 28 channels x 7 rows x 16 outputs), 2 reads
+// and 1 write of F.
+// Source: Woo et al. 2018, CBAM, equation 3; reference/attention.cpp is the oracle.
 #pragma once
 
 #include "nn/layers/conv2d.h"

@@ -6,6 +6,7 @@
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/io/file.h"
+#include "nn/models/coco_categories.h"
 
 namespace penumbra::nn {
 
@@ -43,6 +44,19 @@ std::vector<std::string> split(std::string_view text, std::string_view separator
   return names;
 }
 
+// The list of the file or of the weights' metadata and its place for messages; no names where there is none.
+struct NameList {
+  std::vector<std::string> names;
+  std::string place;
+};
+
+NameList listed_names(const StateDict& weights, const std::filesystem::path& file) {
+  if (!file.empty()) return {split(read_file(file, "a list of class names"), "\n"), file.string()};
+  const auto listed = weights.metadata.find("classes");
+  if (listed == weights.metadata.end()) return {};
+  return {split(listed->second, ",\n"), weights.source + ", metadata classes"};
+}
+
 std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place) {
   for (const std::string& name : names) {
     const std::string shown = printable(name);
@@ -50,6 +64,15 @@ std::vector<std::string> checked(std::vector<std::string> names, int classes, co
       throw InputError(place, "class names of at most 120 bytes in plain UTF-8", "'" + shown + "'");
   }
   const int count = static_cast<int>(names.size());
+  if (classes == static_cast<int>(kCoco.size()) && count == kCocoClasses) {
+    std::vector<std::string> spread(kCoco.size(), "unused");
+    spread[0] = "background";
+    for (int c = 0; c < count; ++c) {
+      spread[static_cast<std::size_t>(category_of_class(c, kCocoClasses))] =
+          names[static_cast<std::size_t>(c)];
+    }
+    return spread;
+  }
   if (count == classes - 1) names.insert(names.begin(), "background");
   if (static_cast<int>(names.size()) != classes) {
     throw InputError(place,
@@ -63,15 +86,24 @@ std::vector<std::string> checked(std::vector<std::string> names, int classes, co
 
 std::vector<std::string> class_names(const StateDict& weights, int classes,
                                      const std::filesystem::path& file) {
-  if (!file.empty())
-    return checked(split(read_file(file, "a list of class names"), "\n"), classes, file.string());
-  const auto listed = weights.metadata.find("classes");
-  if (listed != weights.metadata.end()) {
-    return checked(split(listed->second, ",\n"), classes, weights.source + ", metadata classes");
-  }
+  NameList list = listed_names(weights, file);
+  if (!list.place.empty()) return checked(std::move(list.names), classes, list.place);
   if (classes == static_cast<int>(kCoco.size())) return {kCoco.begin(), kCoco.end()};
   std::vector<std::string> names{"background"};
   for (int c = 1; c < classes; ++c) names.push_back(fmt::format("class {}", c));
+  return names;
+}
+
+std::vector<std::string> output_names(const StateDict& weights, int outputs,
+                                      const std::filesystem::path& file) {
+  NameList list = listed_names(weights, file);
+  if (!list.place.empty()) {
+    if (static_cast<int>(list.names.size()) == outputs) return std::move(list.names);
+    throw InputError(list.place, fmt::format("{} class names", outputs),
+                     fmt::format("{}", list.names.size()));
+  }
+  std::vector<std::string> names;
+  for (int c = 0; c < outputs; ++c) names.push_back(fmt::format("class {}", c));
   return names;
 }
 

@@ -4,18 +4,18 @@
 
 #include "nn/layers/pooling.h"
 #include "nn/layers/upsample.h"
-#include "nn/models/resnet.h"
 
 namespace penumbra::nn {
 
-FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix, bool attention) {
+FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix,
+                               const std::array<int, 4>& stage_channels, bool attention) {
   if (!attention) weights.ignore(prefix + "attention.");
   attention = attention && weights.has(prefix + "attention.0.spatial.weight");
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const std::string inner = fmt::format("{}inner_blocks.{}.0.", prefix, k);
     const std::string outer = fmt::format("{}layer_blocks.{}.0.", prefix, k);
     Level& level = levels_[k];
-    level.lateral = Conv2d(weights.tensor(inner + "weight", {kPyramidChannels, kResNetChannels[k], 1, 1}),
+    level.lateral = Conv2d(weights.tensor(inner + "weight", {kPyramidChannels, stage_channels[k], 1, 1}),
                            weights.vector(inner + "bias", kPyramidChannels), {});
     Conv2dOptions options;
     options.padding = 1;
@@ -25,10 +25,10 @@ FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix,
     const std::string name = fmt::format("{}attention.{}.", prefix, k);
     const Shape reduce = weights.shape(name + "channel.reduce.weight");
     const std::int64_t hidden = reduce.empty() ? kPyramidChannels / 16 : reduce.front();
-    level.spatial = SpatialAttention(weights.tensor(name + "spatial.weight", {1, 2, 7, 7}));
-    level.channel =
+    level.attention = MixedAttention(
+        SpatialAttention(weights.tensor(name + "spatial.weight", {1, 2, 7, 7})),
         ChannelAttention(weights.tensor(name + "channel.reduce.weight", {hidden, kPyramidChannels}),
-                         weights.tensor(name + "channel.expand.weight", {kPyramidChannels, hidden}));
+                         weights.tensor(name + "channel.expand.weight", {kPyramidChannels, hidden})));
   }
 }
 
@@ -39,8 +39,7 @@ std::array<FeatureMap, kPyramidLevels> FeaturePyramid::operator()(const std::arr
   for (std::size_t k = levels_.size(); k-- > 0;) {
     const Level& level = levels_[k];
     FeatureMap lateral = level.lateral(stages[k], arena, 1);
-    if (level.spatial) level.spatial->apply(lateral, arena);
-    if (level.channel) level.channel->apply(lateral);
+    if (level.attention) level.attention->apply(lateral, arena);
     if (k + 1 < levels_.size()) add_upsampled(top_down, lateral);
     pyramid[k] = level.output(lateral, arena, 1);
     top_down = std::move(lateral);

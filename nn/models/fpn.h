@@ -1,13 +1,13 @@
 // Feature pyramid network over C2..C5, with mixed attention where the weights have it.
 //
-//   W_n  = SA(Conv1x1(C_n))                                  lateral, spatial attention           papers.md
-//   (1) W'_n = CA(W_n)                                           channel attention papers.md (2) T_n  =
-//   Upsample(T_{n+1}) + W'_n,  T_5 = W'_5             top-down                             papers.md (3) P_n
-//   = Conv3x3(T_n),  n = 2..5;   P_6 = P_5 at every second pixel
+//   W_n  = SA(Conv1x1(C_n))                        lateral, spatial attention      papers.md (1)
+//   W'_n = CA(W_n)                                 channel attention               papers.md (2)
+//   T_n  = Upsample(T_{n+1}) + W'_n,  T_5 = W'_5   top-down                        papers.md (3)
+//   P_n  = Conv3x3(T_n),  n = 2..5;                P_6 = P_5 at every second pixel
 //
 // Without attention weights SA and CA are the identity: the plain FPN. All P_n have 256 channels.
-// Weights: fpn.inner_blocks.k.0 and fpn.layer_blocks.k.0 as torchvision; attention, ours, for level k = n -
-// 2:
+// Weights: fpn.inner_blocks.k.0 and fpn.layer_blocks.k.0 as torchvision; attention, ours, for level
+// k = n - 2:
 //   fpn.attention.k.spatial.weight [1, 2, 7, 7], fpn.attention.k.channel.reduce.weight [256/r, 256],
 //   fpn.attention.k.channel.expand.weight [256, 256/r].
 // Source: Lin et al. 2017; papers.md A.1; torchvision.ops.FeaturePyramidNetwork.
@@ -17,9 +17,8 @@
 #include <optional>
 #include <string>
 
-#include "nn/layers/channel_attention.h"
 #include "nn/layers/conv2d.h"
-#include "nn/layers/spatial_attention.h"
+#include "nn/layers/mixed_attention.h"
 #include "nn/models/weight_reader.h"
 
 namespace penumbra::nn {
@@ -30,10 +29,12 @@ constexpr int kPyramidLevels = 5;  // P2..P6
 class FeaturePyramid {
  public:
   FeaturePyramid() = default;
-  // `attention` false leaves out the attention that the weights may have.
-  FeaturePyramid(WeightReader& weights, const std::string& prefix, bool attention = true);
+  // `stage_channels` are those of C2..C5. `attention` false leaves out the attention that the weights may
+  // have.
+  FeaturePyramid(WeightReader& weights, const std::string& prefix, const std::array<int, 4>& stage_channels,
+                 bool attention = true);
 
-  bool has_attention() const { return levels_.front().spatial.has_value(); }
+  bool has_attention() const { return levels_.front().attention.has_value(); }
 
   // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them.
   std::array<FeatureMap, kPyramidLevels> operator()(const std::array<FeatureMap, 4>& stages,
@@ -42,8 +43,7 @@ class FeaturePyramid {
  private:
   struct Level {
     Conv2d lateral, output;
-    std::optional<SpatialAttention> spatial;
-    std::optional<ChannelAttention> channel;
+    std::optional<MixedAttention> attention;
   };
   std::array<Level, 4> levels_;
 };

@@ -18,9 +18,12 @@ MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int classes
                               weights.vector(name + "bias", kPyramidChannels), options);
   }
   const std::string predictor = prefix + "mask_predictor.";
+  ConvTranspose2dOptions doubling;
+  doubling.stride = 2;
+  doubling.activation = Activation::relu;
   upsample_ = ConvTranspose2d(
       weights.tensor(predictor + "conv5_mask.weight", {kPyramidChannels, kPyramidChannels, 2, 2}),
-      weights.vector(predictor + "conv5_mask.bias", kPyramidChannels), Activation::relu);
+      weights.vector(predictor + "conv5_mask.bias", kPyramidChannels), doubling);
   logit_weight_ = weights.tensor(predictor + "mask_fcn_logits.weight", {classes, kPyramidChannels, 1, 1});
   logit_bias_ = weights.vector(predictor + "mask_fcn_logits.bias", classes);
 }

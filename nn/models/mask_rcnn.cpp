@@ -9,6 +9,8 @@ namespace penumbra::nn {
 
 namespace {
 
+constexpr const char* kBody = "backbone.body.";
+
 // Weights saved before torchvision 0.13 name some layers without their index in a sequence.
 std::string current_name(const std::string& name) {
   const auto insert_index = [&](const std::string& prefix) {
@@ -61,24 +63,29 @@ MaskRcnn::MaskRcnn(const StateDict& state_dict, MaskRcnnConfig config) : config_
   config_.batch_norm_eps = batch_norm_eps(state_dict, config.batch_norm_eps);
   const StateDict renamed = with_current_names(state_dict);
   WeightReader weights(renamed);
-  backbone_ = ResNet(weights, "backbone.body.", kResNet50Blocks, config_.batch_norm_eps);
-  pyramid_ = FeaturePyramid(weights, "backbone.fpn.", config_.attention);
+  backbone_ = ResNet(weights, kBody, resnet_shape(weights, kBody), config_.batch_norm_eps);
+  pyramid_ = FeaturePyramid(weights, "backbone.fpn.", backbone_.channels(), config_.attention);
   rpn_ = RegionProposalNetwork(weights, "rpn.head.", config_.rpn);
   box_head_ = BoxHead(weights, "roi_heads.", config_.box_head);
   mask_head_ = MaskHead(weights, "roi_heads.", box_head_.classes(), config_.mask_head);
-  weights.finish("Mask R-CNN ResNet-50 FPN");
+  weights.finish(name());
 }
 
-std::vector<Detection> MaskRcnn::operator()(const cv::Mat& image) {
-  const TransformedImage input = transform_image(image, config_.transform, arena_, ResNet::kImageBorder);
-  const std::array<FeatureMap, kPyramidLevels> pyramid = pyramid_(backbone_(input.map, arena_), arena_);
+std::string MaskRcnn::name() const {
+  return fmt::format("Mask R-CNN ResNet-{} FPN{}", backbone_.shape().depth,
+                     has_attention() ? " with mixed attention" : "");
+}
+
+std::vector<Detection> MaskRcnn::detect(const cv::Mat& image, Arena& arena) const {
+  const TransformedImage input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
+  const std::array<FeatureMap, kPyramidLevels> pyramid = pyramid_(backbone_(input.map, arena), arena);
   const ImageExtent extent{input.height, input.width, input.map.height(), input.map.width()};
-  const std::vector<Box> proposals = rpn_(pyramid, extent, arena_);
+  const std::vector<Box> proposals = rpn_(pyramid, extent, arena);
 
   std::array<PyramidLevel, 4> levels;  // the heads read P2..P5
   for (std::size_t k = 0; k < levels.size(); ++k) levels[k] = {&pyramid[k], level_scale(pyramid[k], input)};
-  const std::vector<ScoredBox> boxes = box_head_(levels, proposals, extent, arena_);
-  const std::vector<float> probabilities = mask_head_(levels, boxes, arena_);
+  const std::vector<ScoredBox> boxes = box_head_(levels, proposals, extent, arena);
+  const std::vector<float> probabilities = mask_head_(levels, boxes, arena);
 
   const float ratio_x = static_cast<float>(image.cols) / static_cast<float>(input.width);
   const float ratio_y = static_cast<float>(image.rows) / static_cast<float>(input.height);

@@ -1,20 +1,21 @@
-// Mask R-CNN with a ResNet-50 FPN backbone, baseline or with mixed attention: image in, object instances out.
+// Mask R-CNN with a ResNet FPN backbone, baseline or with mixed attention: image in, object instances out.
 //
 //   image -> transform -> ResNet (C2..C5) -> FPN (P2..P6) -> RPN -> box head -> mask head -> masks on the
 //   image
 //
-// The weights decide the number of classes and whether the pyramid has attention. Defaults are those of
-// torchvision's maskrcnn_resnet50_fpn, whose results it reproduces.
+// The weights decide the number of classes, the ResNet's depth and width, and whether the pyramid has
+// attention. Defaults are those of torchvision's maskrcnn_resnet50_fpn, whose results it reproduces.
 // Source: He et al. 2017; papers.md A.1; torchvision.models.detection.
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "nn/io/image_transform.h"
-#include "nn/layers/mask_paste.h"
 #include "nn/models/box_head.h"
 #include "nn/models/fpn.h"
+#include "nn/models/instance_segmenter.h"
 #include "nn/models/mask_head.h"
 #include "nn/models/resnet.h"
 #include "nn/models/rpn.h"
@@ -31,28 +32,18 @@ struct MaskRcnnConfig {
   bool attention = true;  // false: leave out attention weights, the baseline network
 };
 
-// An object instance found in an image.
-struct Detection {
-  Box box;  // pixels of the image
-  float score = 0.0F;
-  int label = 0;  // class, as the weights number them; 0, background, does not occur
-  Mask mask;
-};
-
-class MaskRcnn {
+class MaskRcnn : public InstanceSegmenter {
  public:
   // Throws InputError that lists every tensor that is missing, mis-shaped or not part of the network.
   // Metadata "batch_norm_eps" of the weights, where present, replaces the config's.
   explicit MaskRcnn(const StateDict& weights, MaskRcnnConfig config = {});
 
-  int classes() const { return box_head_.classes(); }  // background included
+  std::string name() const override;
+  int classes() const override { return box_head_.classes(); }
+  bool has_masks() const override { return true; }
   bool has_attention() const { return pyramid_.has_attention(); }
 
-  // `image` is 8-bit grey or BGR of any size; detections come in order of falling score. Not thread-safe: the
-  // network's memory is reused from image to image.
-  std::vector<Detection> operator()(const cv::Mat& image);
-
-  const Arena& arena() const { return arena_; }
+  std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const override;
 
  private:
   MaskRcnnConfig config_;
@@ -61,7 +52,6 @@ class MaskRcnn {
   RegionProposalNetwork rpn_;
   BoxHead box_head_;
   MaskHead mask_head_;
-  Arena arena_;
 };
 
 }  // namespace penumbra::nn

@@ -2,14 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
+#include <span>
+
+#include "nn/base/error.h"
 #include "nn/layers/pooling.h"
 
 namespace penumbra::nn {
 
 namespace {
 
-constexpr int kStemChannels = 64;
-constexpr int kExpansion = 4;  // output channels of a bottleneck per channel of its 3 x 3 convolution
+constexpr int kWidestStem = 1024;  // wider ones are damaged files, whose network would not fit into memory
+constexpr int kExpansion = 4;      // output channels of a bottleneck per channel of its 3 x 3 convolution
+
+struct Variant {
+  int depth;
+  bool bottleneck;
+  std::array<int, 4> blocks;
+};
+
+constexpr std::array<Variant, 5> kVariants{{{18, false, {2, 2, 2, 2}},
+                                            {34, false, {3, 4, 6, 3}},
+                                            {50, true, {3, 4, 6, 3}},
+                                            {101, true, {3, 4, 23, 3}},
+                                            {152, true, {3, 8, 36, 3}}}};
+
+const Variant& variant_of(int depth) {
+  for (const Variant& variant : kVariants) {
+    if (variant.depth == depth) return variant;
+  }
+  throw InputError("ResNet", "a depth of 18, 34, 50, 101 or 152", fmt::format("{}", depth));
+}
 
 struct ConvolutionShape {
   int outputs, inputs, kernel, stride;
@@ -31,27 +54,68 @@ Conv2d folded_convolution(WeightReader& weights, const std::string& convolution,
 
 }  // namespace
 
-ResNet::ResNet(WeightReader& weights, const std::string& prefix, const std::array<int, 4>& blocks,
-               float batch_norm_eps) {
-  stem_ = folded_convolution(weights, prefix + "conv1", prefix + "bn1", {kStemChannels, 3, 7, 2},
-                             Activation::relu, batch_norm_eps, kImageBlock);
-  int inputs = kStemChannels;
+ResNetShape resnet_shape(const WeightReader& weights, const std::string& prefix) {
+  ResNetShape shape;
+  const Shape stem = weights.shape(prefix + "conv1.weight");
+  if (stem.size() == 4 && stem.front() > 0 && stem.front() <= kWidestStem)
+    shape.width = static_cast<int>(stem.front());
+
+  const std::string first = prefix + "layer1.0.";
+  const bool bottleneck = weights.has(first + "conv3.weight") || !weights.has(first + "conv2.weight");
+  std::array<int, 4> blocks{};
   for (std::size_t stage = 0; stage < 4; ++stage) {
-    const int outputs = kResNetChannels[stage], middle = outputs / kExpansion;
-    for (int b = 0; b < blocks[stage]; ++b) {
+    while (weights.has(fmt::format("{}layer{}.{}.conv1.weight", prefix, stage + 1, blocks[stage]))) {
+      ++blocks[stage];
+    }
+  }
+  int least = 0;
+  bool found = false;
+  for (const Variant& variant : kVariants) {
+    if (variant.bottleneck != bottleneck) continue;
+    int difference = 0;
+    for (std::size_t stage = 0; stage < 4; ++stage) {
+      difference += std::abs(variant.blocks[stage] - blocks[stage]);
+    }
+    if (found && difference >= least) continue;
+    found = true;
+    least = difference;
+    shape.depth = variant.depth;
+  }
+  return shape;
+}
+
+ResNet::ResNet(WeightReader& weights, const std::string& prefix, const ResNetShape& shape,
+               float batch_norm_eps)
+    : shape_(shape) {
+  const Variant& variant = variant_of(shape.depth);
+  bottleneck_ = variant.bottleneck;
+  stem_ = folded_convolution(weights, prefix + "conv1", prefix + "bn1", {shape.width, 3, 7, 2},
+                             Activation::relu, batch_norm_eps, kImageBlock);
+  int inputs = shape.width;
+  for (std::size_t stage = 0; stage < 4; ++stage) {
+    const int middle = shape.width << stage, outputs = bottleneck_ ? middle * kExpansion : middle;
+    channels_[stage] = outputs;
+    for (int b = 0; b < variant.blocks[stage]; ++b) {
       const std::string name = fmt::format("{}layer{}.{}.", prefix, stage + 1, b);
       const int stride = b == 0 && stage > 0 ? 2 : 1;
-      const auto convolution = [&](const char* conv, const char* norm, ConvolutionShape shape,
-                                   Activation activation) {
-        return folded_convolution(weights, name + conv, name + norm, shape, activation, batch_norm_eps);
+      Block block;
+      const auto add = [&](ConvolutionShape convolution) {
+        const std::size_t index = block.convolutions.size() + 1;
+        block.convolutions.push_back(folded_convolution(weights, fmt::format("{}conv{}", name, index),
+                                                        fmt::format("{}bn{}", name, index), convolution,
+                                                        Activation::relu, batch_norm_eps));
       };
-      Bottleneck block;
-      block.conv1 = convolution("conv1", "bn1", {middle, inputs, 1, 1}, Activation::relu);
-      block.conv2 = convolution("conv2", "bn2", {middle, middle, 3, stride}, Activation::relu);
-      block.conv3 = convolution("conv3", "bn3", {outputs, middle, 1, 1}, Activation::relu);
-      if (b == 0) {
-        block.downsample =
-            convolution("downsample.0", "downsample.1", {outputs, inputs, 1, stride}, Activation::none);
+      if (bottleneck_) {
+        add({middle, inputs, 1, 1});
+        add({middle, middle, 3, stride});
+        add({outputs, middle, 1, 1});
+      } else {
+        add({outputs, inputs, 3, stride});
+        add({outputs, outputs, 3, 1});
+      }
+      if (stride != 1 || inputs != outputs) {
+        block.downsample = folded_convolution(weights, name + "downsample.0", name + "downsample.1",
+                                              {outputs, inputs, 1, stride}, Activation::none, batch_norm_eps);
       }
       stages_[stage].push_back(std::move(block));
       inputs = outputs;
@@ -59,17 +123,24 @@ ResNet::ResNet(WeightReader& weights, const std::string& prefix, const std::arra
   }
 }
 
+FeatureMap ResNet::apply(const Block& block, const FeatureMap& x, Arena& arena) const {
+  FeatureMap shortcut;
+  if (block.downsample) shortcut = (*block.downsample)(x, arena);
+  const FeatureMap* residual = block.downsample ? &shortcut : &x;
+  // Maps that a 3 x 3 convolution reads get a border of 1.
+  const FeatureMap inner = block.convolutions[0](x, arena, 1);
+  if (!bottleneck_) return block.convolutions[1](inner, arena, 1, residual);
+  return block.convolutions[2](block.convolutions[1](inner, arena), arena, 0, residual);
+}
+
 std::array<FeatureMap, 4> ResNet::operator()(const FeatureMap& image, Arena& arena) const {
-  FeatureMap x = max_pool(stem_(image, arena), {3, 2, 1}, arena);
+  FeatureMap x = max_pool(stem_(image, arena), {3, 2, 1}, arena, bottleneck_ ? 0 : 1);
   std::array<FeatureMap, 4> outputs;
   for (std::size_t stage = 0; stage < 4; ++stage) {
     const FeatureMap* input = stage == 0 ? &x : &outputs[stage - 1];
     FeatureMap y;
-    for (const Bottleneck& block : stages_[stage]) {
-      FeatureMap shortcut;
-      if (block.downsample) shortcut = (*block.downsample)(*input, arena);
-      FeatureMap inner = block.conv2(block.conv1(*input, arena, 1), arena);
-      y = block.conv3(inner, arena, 0, block.downsample ? &shortcut : input);
+    for (const Block& block : stages_[stage]) {
+      y = apply(block, *input, arena);
       input = &y;
     }
     outputs[stage] = std::move(y);

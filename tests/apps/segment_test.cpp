@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <set>
 
 #include "nn/io/coco_rle.h"
 #include "nn/io/image_file.h"
@@ -82,7 +83,111 @@ TEST_F(SegmentTest, WeightsThatAreMissingOrOfAnotherNetworkAreAnError) {
   EXPECT_NE(result.err.find("missing backbone.body.conv1.weight"), std::string::npos) << result.err;
 }
 
+TEST_F(SegmentTest, PrintsJsonForMachines) {
+  const ProgramResult result = segment(image() + " --weights " + weights() + " --json --threads 2");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["threads"], 2);
+  EXPECT_TRUE(report["isa"].is_string());
+  EXPECT_GT(report["peak_arena_bytes"], 1000000);
+  ASSERT_EQ(report["images"].size(), 1U);
+  const nlohmann::json& first = report["images"][0];
+  EXPECT_EQ(first["width"], 96);
+  EXPECT_EQ(first["height"], 64);
+  EXPECT_EQ(first["instances"], 100);
+  EXPECT_GT(first["seconds"], 0.0);
+  ASSERT_FALSE(first["shown"].empty());
+  EXPECT_GE(first["shown"][0]["score"], 0.5);
+  EXPECT_EQ(first["shown"][0]["box"].size(), 4U);
+}
+
+// Two images of a data set whose categories are numbered otherwise than the network's classes.
+class SegmentSetTest : public SegmentTest {
+ protected:
+  void SetUp() override {
+    SegmentTest::SetUp();
+    nn::write_image(folder_ / "b.png", random_image(2, 80, 60));
+    set_ = {{"images",
+             {{{"id", 7}, {"width", 96}, {"height", 64}, {"file_name", "0042.png"}},
+              {{"id", 5}, {"width", 80}, {"height", 60}, {"file_name", "b.png"}}}},
+            {"categories", nlohmann::json::array()},
+            {"annotations", nlohmann::json::array()}};
+    std::ofstream names(folder_ / "names.txt");
+    for (int c = 1; c < 91; ++c) {
+      names << "thing-" << c << "\n";
+      if (c % 2 == 0)
+        set_["categories"].push_back({{"id", 1000 + c}, {"name", "thing-" + std::to_string(c)}});
+    }
+  }
+  std::string annotations() const { return folder_ / "instances.json"; }
+  ProgramResult segment_set(const std::string& more = "") const {
+    std::ofstream(annotations()) << set_;
+    return segment("--coco-images " + folder_.path().string() + " --annotations " + annotations() +
+                   " --weights " + weights() + " --classes " + (folder_ / "names.txt").string() + " " + more);
+  }
+  nlohmann::json set_;
+};
+
+TEST_F(SegmentSetTest, WritesResultsThatCanBeEvaluated) {
+  const ProgramResult result = segment_set();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("2 images, 200 instances"), std::string::npos) << result.out;
+  EXPECT_NE(result.err.find("are left out"), std::string::npos) << result.err;  // the odd classes
+  const std::filesystem::path results = std::filesystem::path(out()) / "results.json";
+  std::ifstream file(results);
+  std::set<int> images;
+  for (const auto& entry : nlohmann::json::parse(file)) {
+    images.insert(entry["image_id"].get<int>());
+    EXPECT_GT(entry["category_id"], 1000);
+    EXPECT_EQ(entry["category_id"].get<int>() % 2, 0);
+  }
+  EXPECT_EQ(images, (std::set<int>{5, 7}));
+  EXPECT_FALSE(std::filesystem::exists(std::filesystem::path(out()) / "b_overlay.png"));
+  const ProgramResult evaluation =
+      run_penumbra("eval-coco --annotations " + annotations() + " --results " + results.string());
+  EXPECT_EQ(evaluation.exit_code, 0) << evaluation.err;
+}
+
+TEST_F(SegmentSetTest, PrintsJsonAndDrawsPicturesOnDemand) {
+  const ProgramResult result = segment_set("--json --pictures");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["instances"], 200);
+  EXPECT_EQ(report["images"][1]["width"], 80);
+  EXPECT_FALSE(report["images"][1].contains("shown"));
+  EXPECT_TRUE(std::filesystem::exists(report["images"][1]["picture"].get<std::string>()));
+}
+
+TEST_F(SegmentSetTest, ImagesThatAreMissingOrOfAnotherSizeAreNamedAndTheOthersStillDone) {
+  set_["images"][0]["width"] = 100;
+  set_["images"].push_back({{"id", 9}, {"width", 8}, {"height", 8}, {"file_name", "none.png"}});
+  const ProgramResult result = segment_set("--json");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("expected 100 x 64 pixels as in the annotations, found 96 x 64"),
+            std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("none.png"), std::string::npos) << result.err;
+  const nlohmann::json report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["images"].size(), 1U);
+  EXPECT_EQ(report["failed"].size(), 2U);
+}
+
+TEST_F(SegmentSetTest, ClassesWithoutAnyCategoryAreAnError) {
+  set_["categories"] = {{{"id", 1}, {"name", "person"}}};
+  const ProgramResult result = segment_set();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("instances.json: expected categories named as the network's classes"),
+            std::string::npos)
+      << result.err;
+}
+
 TEST_F(SegmentTest, WrongArgumentsGiveExitCode2) {
+  EXPECT_EQ(segment("--weights " + weights()).exit_code, 2);
+  EXPECT_EQ(segment("--weights " + weights() + " --coco-images " + out()).exit_code, 2);
+  EXPECT_EQ(segment(image() + " --weights " + weights() + " --pictures").exit_code, 2);
+  EXPECT_EQ(
+      segment(image() + " --weights " + weights() + " --coco-images x --annotations " + image()).exit_code,
+      2);
   EXPECT_EQ(run_penumbra("segment " + image()).exit_code, 2);
   EXPECT_EQ(segment(image() + " --weights " + weights() + " --isa vax").exit_code, 2);
   EXPECT_EQ(segment(image() + " --weights " + weights() + " --threads 0").exit_code, 2);

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "nn/io/safetensors.h"
+#include "tests/support/random_network.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra {
@@ -36,6 +38,28 @@ TEST(SlamCommand, NamesTheFolderThatIsMissing) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("nowhere"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+// With random weights everything is found everywhere; told that every class is a car, the SLAM leaves
+// features out.
+TEST(SlamCommand, LeavesFeaturesOnMovableInstancesOut) {
+  const test::TemporaryDirectory folder;
+  nn::write_safetensors(folder / "weights.safetensors", test::random_mask_rcnn(false));
+  std::ofstream names(folder / "names.txt");
+  for (int c = 1; c < 91; ++c) names << "car\n";
+  names.close();
+  ASSERT_EQ(
+      test::run_penumbra("synth --frames 2 --size 310x94 --out " + (folder / "street").string()).exit_code,
+      0);
+  const auto movable_features = [&](const std::string& options) {
+    const test::ProgramResult result = test::run_penumbra(fmt::format(
+        "slam '{0}/street' --out '{0}/out' --weights '{0}/weights.safetensors' --classes '{0}/names.txt' {1}",
+        folder.path().string(), options));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(contents(folder / "out" / "run.json")).at("movable_features").get<int>();
+  };
+  EXPECT_GT(movable_features(""), 0);
+  EXPECT_EQ(movable_features("--no-segmentation"), 0);
 }
 
 TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "nn/base/counter_random.h"
@@ -11,8 +10,6 @@
 namespace penumbra::test {
 
 namespace {
-
-using Shapes = std::map<std::string, nn::Shape>;
 
 void add_norm(Shapes& shapes, const std::string& name, std::int64_t channels) {
   for (const char* part : {".weight", ".bias", ".running_mean", ".running_var"})
@@ -83,11 +80,11 @@ double gain(const std::string& name, bool attention) {
 
 }  // namespace
 
-nn::StateDict random_mask_rcnn(bool attention) {
+nn::StateDict random_state(const Shapes& shapes, const std::function<double(const std::string&)>& gain) {
   nn::StateDict state;
   state.source = "random weights";
   std::uint32_t stream = 0;
-  for (const auto& [name, shape] : mask_rcnn_shapes(attention)) {
+  for (const auto& [name, shape] : shapes) {
     ++stream;
     const bool norm = name.find("bn") != std::string::npos || name.find("downsample.1") != std::string::npos;
     float scale = 0.1F, offset = 0.0F;
@@ -96,7 +93,7 @@ nn::StateDict random_mask_rcnn(bool attention) {
       offset = 1.0F;
     } else if (shape.size() > 1) {
       const auto fan_in = static_cast<double>(nn::elements(shape) / shape.front());
-      scale = static_cast<float>(gain(name, attention) * std::sqrt(3.0 / fan_in));
+      scale = static_cast<float>(gain(name) * std::sqrt(3.0 / fan_in));
     }
     auto values = std::make_shared<std::vector<float>>(static_cast<std::size_t>(nn::elements(shape)));
     for (std::size_t i = 0; i < values->size(); ++i) {
@@ -106,6 +103,11 @@ nn::StateDict random_mask_rcnn(bool attention) {
     state.owners.push_back(std::move(values));
   }
   return state;
+}
+
+nn::StateDict random_mask_rcnn(bool attention) {
+  return random_state(mask_rcnn_shapes(attention),
+                      [&](const std::string& name) { return gain(name, attention); });
 }
 
 cv::Mat random_image(std::uint32_t seed, int width, int height) {

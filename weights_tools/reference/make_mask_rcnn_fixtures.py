@@ -6,6 +6,7 @@ usage: make_mask_rcnn_fixtures.py DATA OUT      (DATA: the folder of the real da
   trained.json            the trained checkpoint on real images: every detection, masks as COCO runs
   random_baseline.json    weights from counter_random, small images made from it too
   random_attention.json   the same with mixed attention
+  full_baseline.json, full_attention.json    the same at full size: 1242 x 375 and a portrait image
 
 Needs Debian's python3-torchvision (0.14.1), python3-opencv and python3-numpy. The fixtures hold outputs only; the
 C++ tests make the same weights and images themselves (tests/support/random_network.h).
@@ -52,16 +53,18 @@ def runs(mask):
     return lengths if bits[0] == 0 else [0] + lengths
 
 
-def detections(model, bgr, least_mask_score):
-    """All detections of a BGR image; masks for scores of least_mask_score or more only, to keep the file small."""
+def detections(model, bgr, least_score):
+    """What the model finds in a BGR image with at least least_score, in order of falling score."""
     rgb = np.ascontiguousarray(bgr[:, :, ::-1])
     with torch.no_grad():
         found = model([torch.from_numpy(rgb).permute(2, 0, 1).float() / 255.0])[0]
+    keep = found["scores"] >= least_score
     return {
-        "boxes": [[round(v, 4) for v in box] for box in found["boxes"].tolist()],
-        "scores": [round(v, 6) for v in found["scores"].tolist()],
-        "labels": found["labels"].tolist(),
-        "masks": [runs(m[0].numpy() > 0.5) for m, s in zip(found["masks"], found["scores"]) if s >= least_mask_score],
+        "least_score": least_score,
+        "boxes": [[round(v, 4) for v in box] for box in found["boxes"][keep].tolist()],
+        "scores": [round(v, 6) for v in found["scores"][keep].tolist()],
+        "labels": found["labels"][keep].tolist(),
+        "masks": [runs(m[0].numpy() > 0.5) for m in found["masks"][keep]],
     }
 
 
@@ -116,17 +119,19 @@ def main():
     write(os.path.join(out, "trained.json"), [
         dict(image=name, **detections(trained, cv2.imread(os.path.join(data, name)), 0.3)) for name in IMAGES])
 
-    sizes = [(96, 64), (50, 121)]
-    for name, attention in (("random_baseline", False), ("random_attention", True)):
-        model = build(min_size=128, max_size=224)
+    small = dict(sizes=[(96, 64), (50, 121)], least_score=0.3, settings=dict(min_size=128, max_size=224))
+    full = dict(sizes=[(1242, 375), (400, 640)], least_score=0.8, settings={})
+    for name, attention, cases in (("random_baseline", False, small), ("random_attention", True, small),
+                                   ("full_baseline", False, full), ("full_attention", True, full)):
+        model = build(**cases["settings"])
         model = random_state_dict(add_mixed_attention(model) if attention else model)
-        cases = []
-        for seed, (width, height) in enumerate(sizes, start=1):
+        found = []
+        for seed, (width, height) in enumerate(cases["sizes"], start=1):
             case = dict(seed=seed, width=width, height=height,
-                        **detections(model, random_image(seed, width, height), 0.3))
+                        **detections(model, random_image(seed, width, height), cases["least_score"]))
             print(name, width, height, len(case["scores"]), "detections, best", case["scores"][:5])
-            cases.append(case)
-        write(os.path.join(out, name + ".json"), cases)
+            found.append(case)
+        write(os.path.join(out, name + ".json"), found)
 
 
 if __name__ == "__main__":

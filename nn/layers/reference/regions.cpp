@@ -26,25 +26,31 @@ double bilinear(const Tensor& map, std::int64_t c, float y, float x) {
 
 Tensor roi_align(const Tensor& map, float scale, std::span<const Box> regions,
                  const RoiAlignOptions& options) {
-  const int size = options.size, sampling = options.sampling;
+  const int size = options.size;
+  const float shift = options.aligned ? 0.5F : 0.0F, least = options.aligned ? -INFINITY : 1.0F;
   Tensor y({static_cast<std::int64_t>(regions.size()), map.extent(1), size, size});
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const float x1 = regions[r].x1 * scale, y1 = regions[r].y1 * scale;
-    const float bin_w = std::max(regions[r].x2 * scale - x1, 1.0F) / static_cast<float>(size);
-    const float bin_h = std::max(regions[r].y2 * scale - y1, 1.0F) / static_cast<float>(size);
+    const float bin_w = std::max(regions[r].x2 * scale - x1, least) / static_cast<float>(size);
+    const float bin_h = std::max(regions[r].y2 * scale - y1, least) / static_cast<float>(size);
+    const auto samples = [&](float bin) {
+      return options.sampling > 0 ? options.sampling : static_cast<int>(std::max(std::ceil(bin), 0.0F));
+    };
+    const int samples_y = samples(bin_h), samples_x = samples(bin_w);
     for (std::int64_t c = 0; c < map.extent(1); ++c) {
       for (int i = 0; i < size; ++i) {
         for (int j = 0; j < size; ++j) {
           double sum = 0.0;
-          for (int u = 0; u < sampling; ++u) {
-            for (int v = 0; v < sampling; ++v) {
-              const float sub_y = (static_cast<float>(u) + 0.5F) * bin_h / static_cast<float>(sampling);
-              const float sub_x = (static_cast<float>(v) + 0.5F) * bin_w / static_cast<float>(sampling);
-              sum += bilinear(map, c, y1 + static_cast<float>(i) * bin_h + sub_y,
-                              x1 + static_cast<float>(j) * bin_w + sub_x);
+          for (int u = 0; u < samples_y; ++u) {
+            for (int v = 0; v < samples_x; ++v) {
+              const float sub_y = (static_cast<float>(u) + 0.5F) * bin_h / static_cast<float>(samples_y);
+              const float sub_x = (static_cast<float>(v) + 0.5F) * bin_w / static_cast<float>(samples_x);
+              sum += bilinear(map, c, y1 - shift + static_cast<float>(i) * bin_h + sub_y,
+                              x1 - shift + static_cast<float>(j) * bin_w + sub_x);
             }
           }
-          y.at(static_cast<std::int64_t>(r), c, i, j) = static_cast<float>(sum / (sampling * sampling));
+          y.at(static_cast<std::int64_t>(r), c, i, j) =
+              static_cast<float>(sum / std::max(samples_y * samples_x, 1));
         }
       }
     }

@@ -62,6 +62,39 @@ TEST_P(Conv2dTest, AgreesWithTheReferenceOnRandomShapes) {
   }
 }
 
+TEST_P(Conv2dTest, GroupsAgreeWithTheReferenceOnRandomShapes) {
+  std::mt19937 random(10);
+  for (std::uint32_t trial = 0; trial < 60; ++trial) {
+    Conv2dOptions options;
+    options.groups = pick(random, 2, 20);
+    int group_inputs = pick(random, 1, 5), group_outputs = pick(random, 1, 5);
+    if (trial % 3 == 0) group_inputs = group_outputs = 1;  // depthwise
+    if (trial % 3 == 1) {                                  // whole blocks
+      options.groups = pick(random, 2, 3);
+      group_inputs = 16 * pick(random, 1, 2);
+      group_outputs = 16 * pick(random, 1, 3);
+    }
+    const int channels = options.groups * group_inputs, outputs = options.groups * group_outputs;
+    const int kernel = pick(random, 1, 4);
+    options.stride = pick(random, 1, 3);
+    options.dilation = pick(random, 1, 2);
+    options.padding = pick(random, 0, 2);
+    options.activation = static_cast<Activation>(pick(random, 0, 6));
+    const int smallest = std::max(options.dilation * (kernel - 1) + 1 - 2 * options.padding, 1);
+    const Tensor x = random_tensor(
+        {pick(random, 0, 2), channels, smallest + pick(random, 0, 8), smallest + pick(random, 0, 20)}, trial);
+    const Tensor weight = random_tensor({outputs, group_inputs, kernel, kernel}, 1000 + trial);
+    const std::vector<float> bias =
+        pick(random, 0, 3) == 0 ? std::vector<float>{} : random_vector(outputs, trial);
+    const Tensor residual = random_tensor(reference::conv2d(x, weight, bias, options).shape, 2000 + trial);
+    Arena arena;
+    const FeatureMap residual_map = to_feature_map(residual, arena);
+    const FeatureMap y = Conv2d(weight, bias, options)(to_feature_map(x, arena, pick(random, 0, 3)), arena,
+                                                       pick(random, 0, 1), &residual_map);
+    expect_close(to_tensor(y), reference::conv2d(x, weight, bias, options, &residual));
+  }
+}
+
 TEST_P(Conv2dTest, ReadsImagesOfFourChannelPixels) {
   std::mt19937 random(8);
   for (std::uint32_t trial = 0; trial < 20; ++trial) {
@@ -129,6 +162,9 @@ TEST(Conv2d, WrongShapesAreInputErrors) {
   Arena arena;
   EXPECT_THROW(Conv2d(random_tensor({8, 8}, 1), {}, {}), InputError);
   EXPECT_THROW(Conv2d(random_tensor({8, 8, 1, 1}, 1), random_vector(7, 1), {}), InputError);
+  Conv2dOptions options;
+  options.groups = 3;
+  EXPECT_THROW(Conv2d(random_tensor({8, 8, 1, 1}, 1), {}, options), InputError);
   const Conv2d conv(random_tensor({8, 8, 3, 3}, 1), {}, {});
   EXPECT_THROW(conv(to_feature_map(random_tensor({1, 9, 5, 5}, 1), arena), arena), InputError);
   EXPECT_THROW(conv(to_feature_map(random_tensor({1, 8, 2, 5}, 1), arena), arena), InputError);

@@ -1,4 +1,4 @@
-// max_pool, subsample, add_upsampled and the folding of batch norm.
+// Pooling and the folding of batch norm.
 #include "nn/layers/pooling.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,6 @@
 #include "nn/base/error.h"
 #include "nn/layers/batch_norm.h"
 #include "nn/layers/reference/reference.h"
-#include "nn/layers/upsample.h"
 #include "tests/support/tensors.h"
 
 namespace penumbra::nn {
@@ -46,6 +45,8 @@ TEST(MaxPool, WindowsLargerThanTheMapAreInputErrors) {
   EXPECT_THROW(max_pool(map, {3, 1, 0}, arena), InputError);
   EXPECT_THROW(max_pool(map, {2, 0, 0}, arena), InputError);
   EXPECT_THROW(max_pool(map, {2, 1, 2}, arena), InputError);
+  EXPECT_THROW(avg_pool(map, {3, 1, 0}, true, arena), InputError);
+  EXPECT_THROW(adaptive_avg_pool(map, 0, 1, arena), InputError);
 }
 
 TEST(Subsample, TakesEverySecondPixel) {
@@ -56,17 +57,46 @@ TEST(Subsample, TakesEverySecondPixel) {
   EXPECT_EQ(y.at(0, 2, 2, 1), x.at(0, 2, 4, 2));
 }
 
-TEST(AddUpsampled, AgreesWithTheReferenceOnRandomShapes) {
-  std::mt19937 random(4);
+TEST(AvgPool, AgreesWithTheReferenceOnRandomShapes) {
+  std::mt19937 random(5);
   for (std::uint32_t trial = 0; trial < 50; ++trial) {
-    const int images = pick(random, 1, 2), channels = pick(random, 1, 40);
-    const Tensor x = random_tensor({images, channels, pick(random, 1, 8), pick(random, 1, 8)}, trial);
-    const Tensor y = random_tensor({images, channels, pick(random, 1, 20), pick(random, 1, 20)}, 100 + trial);
-    Arena arena;
-    FeatureMap map = to_feature_map(y, arena, 1);
-    add_upsampled(to_feature_map(x, arena), map);
-    expect_close(to_tensor(map), reference::add_upsampled(x, y), 0.0F);
+    PoolOptions options;
+    options.kernel = pick(random, 1, 5);
+    options.stride = pick(random, 1, 3);
+    options.padding = pick(random, 0, options.kernel / 2);
+    const int smallest = std::max(options.kernel - 2 * options.padding, 1);
+    const Tensor x = random_tensor({pick(random, 0, 2), pick(random, 1, 40), smallest + pick(random, 0, 9),
+                                    smallest + pick(random, 0, 9)},
+                                   trial);
+    for (const bool count_padding : {false, true}) {
+      Arena arena;
+      expect_close(to_tensor(avg_pool(to_feature_map(x, arena), options, count_padding, arena, 1)),
+                   reference::avg_pool(x, options, count_padding));
+    }
   }
+}
+
+TEST(AdaptiveAndGlobalPools, AgreeWithTheReferenceOnRandomShapes) {
+  std::mt19937 random(6);
+  for (std::uint32_t trial = 0; trial < 50; ++trial) {
+    const Tensor x = random_tensor(
+        {pick(random, 0, 2), pick(random, 1, 40), pick(random, 1, 20), pick(random, 1, 20)}, trial);
+    const int height = pick(random, 1, 24), width = pick(random, 1, 24);
+    Arena arena;
+    const FeatureMap map = to_feature_map(x, arena, pick(random, 0, 1));
+    expect_close(to_tensor(adaptive_avg_pool(map, height, width, arena)),
+                 reference::adaptive_avg_pool(x, height, width));
+    expect_close(to_tensor(adaptive_max_pool(map, height, width, arena)),
+                 reference::adaptive_max_pool(x, height, width), 0.0F);
+    expect_close(to_tensor(global_avg_pool(map, arena)), reference::global_avg_pool(x));
+    expect_close(to_tensor(global_max_pool(map, arena)), reference::global_max_pool(x), 0.0F);
+  }
+}
+
+TEST(AdaptiveAvgPool, OfTheMapsOwnSizeIsTheMap) {
+  const Tensor x = random_tensor({1, 17, 5, 7}, 3);
+  Arena arena;
+  expect_close(to_tensor(adaptive_avg_pool(to_feature_map(x, arena), 5, 7, arena)), x, 0.0F);
 }
 
 TEST(BatchNormFolding, AgreesWithNormalisingAfterTheConvolution) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "nn/base/error.h"
 #include "nn/layers/anchor_generator.h"
 #include "nn/layers/box_coder.h"
 #include "nn/layers/nms.h"
@@ -29,18 +30,38 @@ std::vector<Box> random_boxes(std::mt19937& random, int count, float extent) {
 
 TEST(RoiAlign, AgreesWithTheReferenceOnRandomShapes) {
   std::mt19937 random(1);
-  for (std::uint32_t trial = 0; trial < 60; ++trial) {
+  for (std::uint32_t trial = 0; trial < 120; ++trial) {
     const Tensor map =
         random_tensor({1, pick(random, 1, 40), pick(random, 1, 20), pick(random, 1, 20)}, trial);
     const std::vector<Box> boxes = random_boxes(random, pick(random, 0, 6), 80.0F);
-    const RoiAlignOptions options{pick(random, 1, 8), pick(random, 1, 3)};
+    const RoiAlignOptions options{pick(random, 1, 8), pick(random, 0, 3), trial % 2 == 0};
     Arena arena;
     const FeatureMap feature_map = to_feature_map(map, arena, pick(random, 0, 1));
     const PyramidLevel level{&feature_map, 0.25F};
-    const Tensor found =
-        to_tensor(multi_scale_roi_align({&level, 1}, boxes, options, arena, pick(random, 0, 1)));
-    test::expect_close(found, reference::roi_align(map, 0.25F, boxes, options));
+    const Tensor expected = reference::roi_align(map, 0.25F, boxes, options);
+    test::expect_close(
+        to_tensor(multi_scale_roi_align({&level, 1}, boxes, options, arena, pick(random, 0, 1))), expected);
+    test::expect_close(to_tensor(roi_align(feature_map, 0.25F, boxes, options, arena)), expected);
   }
+}
+
+TEST(RoiAlign, SenselessRegionsNeitherHangNorCrash) {
+  Arena arena;
+  const FeatureMap map = to_feature_map(random_tensor({1, 16, 4, 4}, 1), arena);
+  const std::vector<Box> boxes{
+      {-1e30F, -1e30F, 1e30F, 1e30F}, {3, 3, 1, 1}, {NAN, 0, 1, NAN}, {0, 0, 1e9F, 2}};
+  for (const bool aligned : {false, true}) {
+    const FeatureMap y = roi_align(map, 1.0F, boxes, {7, 0, aligned}, arena);
+    for (const float value : to_tensor(y).values) EXPECT_TRUE(std::isfinite(value));
+  }
+}
+
+TEST(RoiAlign, SenselessOptionsAreInputErrors) {
+  Arena arena;
+  const FeatureMap map = to_feature_map(random_tensor({1, 16, 4, 4}, 1), arena);
+  EXPECT_THROW(roi_align(map, 1.0F, {}, {0, 2, false}, arena), InputError);
+  EXPECT_THROW(roi_align(map, 1.0F, {}, {7, -1, false}, arena), InputError);
+  EXPECT_THROW(multi_scale_roi_align({}, {}, {}, arena), InputError);
 }
 
 TEST(RoiAlign, PicksTheLevelByTheSquareRootOfTheArea) {

@@ -11,51 +11,43 @@
 #include "nn/io/coco_rle.h"
 #include "nn/io/image_file.h"
 #include "tests/support/random_network.h"
+#include "tests/support/runs.h"
 #include "tests/support/test_data.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::nn {
 namespace {
 
-// Detections below this score are left out of the comparison: near the score threshold and the end of the
-// list of 100, rounding decides which of them there are.
-constexpr float kLeastScore = 0.3F;
-
 nlohmann::json read_fixture(const std::string& name) {
   std::ifstream file(test::fixture("mask_rcnn/" + name));
   return nlohmann::json::parse(file);
 }
 
-// Intersection over union of two masks given as runs over the same image.
-double mask_iou(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
-  std::uint64_t both = 0, either = 0;
-  std::size_t i = 0, j = 0;
-  std::uint64_t left_a = a[0], left_b = b[0];
-  while (true) {
-    while (left_a == 0 && i + 1 < a.size()) left_a = a[++i];
-    while (left_b == 0 && j + 1 < b.size()) left_b = b[++j];
-    const std::uint64_t step = std::min(left_a, left_b);
-    if (step == 0) break;
-    const bool in_a = i % 2 == 1, in_b = j % 2 == 1;
-    both += in_a && in_b ? step : 0;
-    either += in_a || in_b ? step : 0;
-    left_a -= step;
-    left_b -= step;
+// Whether rounding may move the mask's rectangle by a pixel: paste_mask truncates the corners of the grown
+// box to whole pixels, as torchvision does, and here one lies so near a whole number that a tolerable
+// difference of the box decides. The mask is then stretched by a pixel.
+bool on_the_edge_of_a_pixel(const std::vector<float>& box, double box_tolerance) {
+  constexpr double kGrowth = 30.0 / 28.0;
+  for (const auto& [low, high] : {std::pair(box[0], box[2]), std::pair(box[1], box[3])}) {
+    const double centre = (low + high) * 0.5, half = (high - low) * 0.5 * kGrowth;
+    for (const double corner : {centre - half, centre + half}) {
+      if (std::abs(corner - std::round(corner)) < box_tolerance) return true;
+    }
   }
-  return either == 0 ? 1.0 : static_cast<double>(both) / static_cast<double>(either);
+  return false;
 }
 
 struct Tolerance {
   double box, score, mask_iou;  // pixels, absolute, least overlap
 };
 
-// Every expected detection of kLeastScore or more has one of ours, and we find none that is not expected.
+// Every expected detection has one of ours, and we find none that is not expected. The fixtures leave out low
+// scores: near the score threshold and the end of the list of 100, rounding decides which detections there
+// are.
 void expect_same(const std::vector<Detection>& found, const nlohmann::json& expected, const cv::Size& image,
                  const Tolerance& tolerance) {
-  std::size_t compared = 0;
   for (std::size_t i = 0; i < expected["scores"].size(); ++i) {
     const float score = expected["scores"][i];
-    if (score < kLeastScore) break;
     const std::vector<float> box = expected["boxes"][i];
     const auto box_error = [&](const Detection& d) {
       return std::max({std::abs(d.box.x1 - box[0]), std::abs(d.box.y1 - box[1]), std::abs(d.box.x2 - box[2]),
@@ -70,36 +62,51 @@ void expect_same(const std::vector<Detection>& found, const nlohmann::json& expe
     EXPECT_LE(box_error(*nearest), tolerance.box) << "detection " << i;
     EXPECT_NEAR(nearest->score, score, tolerance.score) << "detection " << i;
     const std::vector<std::uint32_t> runs = expected["masks"][i];
-    EXPECT_GT(mask_iou(mask_runs(nearest->mask, image.width, image.height), runs), tolerance.mask_iou)
+    const double least_iou = on_the_edge_of_a_pixel(box, tolerance.box) ? 0.9 : tolerance.mask_iou;
+    EXPECT_GT(test::mask_iou(mask_runs(nearest->mask, image.width, image.height), runs), least_iou)
         << "detection " << i;
-    ++compared;
   }
+  const float least_score = expected["least_score"];
   const auto ours =
-      std::count_if(found.begin(), found.end(), [](const Detection& d) { return d.score >= kLeastScore; });
-  EXPECT_NEAR(static_cast<double>(ours), static_cast<double>(compared), 1.0)
+      std::count_if(found.begin(), found.end(), [&](const Detection& d) { return d.score >= least_score; });
+  EXPECT_NEAR(static_cast<double>(ours), static_cast<double>(expected["scores"].size()), 1.0)
       << "a score may cross the line of comparison";
 }
 
-constexpr Tolerance kTolerance{0.05, 1e-3, 0.995};
+constexpr Tolerance kTolerance{0.02, 2e-4, 0.998};
 
-void compare_random_network(bool attention, const std::string& fixture) {
-  MaskRcnnConfig config;
-  config.transform.min_size = 128;
-  config.transform.max_size = 224;
+void compare_random_network(bool attention, const MaskRcnnConfig& config, const std::string& fixture) {
   MaskRcnn network(test::random_mask_rcnn(attention), config);
   EXPECT_EQ(network.has_attention(), attention);
   for (const nlohmann::json& expected : read_fixture(fixture)) {
     const cv::Mat image = test::random_image(expected["seed"], expected["width"], expected["height"]);
+    SCOPED_TRACE(expected["seed"]);
+    EXPECT_GT(expected["scores"].size(), 5U);
     expect_same(network(image), expected, image.size(), kTolerance);
   }
 }
 
+MaskRcnnConfig sized(int min_size, int max_size) {
+  MaskRcnnConfig config;
+  config.transform.min_size = min_size;
+  config.transform.max_size = max_size;
+  return config;
+}
+
 TEST(MaskRcnn, BaselineWithRandomWeightsFindsWhatTorchvisionFinds) {
-  compare_random_network(false, "random_baseline.json");
+  compare_random_network(false, sized(128, 224), "random_baseline.json");
 }
 
 TEST(MaskRcnn, MixedAttentionWithRandomWeightsFindsWhatPyTorchFinds) {
-  compare_random_network(true, "random_attention.json");
+  compare_random_network(true, sized(128, 224), "random_attention.json");
+}
+
+TEST(MaskRcnn, BaselineAtFullSizeFindsWhatTorchvisionFinds) {
+  compare_random_network(false, {}, "full_baseline.json");
+}
+
+TEST(MaskRcnn, MixedAttentionAtFullSizeFindsWhatPyTorchFinds) {
+  compare_random_network(true, {}, "full_attention.json");
 }
 
 TEST(MaskRcnn, TrainedWeightsFindWhatTorchvisionFindsOnRealImages) {
@@ -114,12 +121,7 @@ TEST(MaskRcnn, TrainedWeightsFindWhatTorchvisionFindsOnRealImages) {
   }
 }
 
-MaskRcnnConfig small_images() {
-  MaskRcnnConfig config;
-  config.transform.min_size = 64;
-  config.transform.max_size = 128;
-  return config;
-}
+MaskRcnnConfig small_images() { return sized(64, 128); }
 
 TEST(MaskRcnn, AttentionLeftOutIsTheBaselineBitForBit) {
   StateDict weights = test::random_mask_rcnn(true);

@@ -1,0 +1,136 @@
+// penumbra eval-coco: how good a detector's boxes and masks are, as COCO counts it.
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "apps/commands.h"
+#include "nn/evaluation/coco_evaluation.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  penumbra segment --coco-images val2017 --annotations instances_val2017.json --weights w.safetensors --out found
+  penumbra eval-coco --annotations instances_val2017.json --results found/results.json
+  penumbra eval-coco --annotations instances_val2017.json --results boxes.json --type bbox --json
+
+The numbers are those of the official COCO evaluation; see docs/coco_evaluation.md.)";
+
+struct EvalCocoOptions {
+  std::string annotations, results, type = "auto";
+  bool json = false;
+};
+
+struct CocoReport {
+  std::size_t images = 0, annotations = 0, crowds = 0, results = 0;
+  std::optional<nn::CocoNumbers> boxes, masks;
+};
+
+template <class Entries>
+bool any_has_segmentation(const Entries& entries) {
+  return std::any_of(entries.begin(), entries.end(),
+                     [](const auto& entry) { return !entry.segmentation.is_missing(); });
+}
+
+CocoReport evaluate(const EvalCocoOptions& options) {
+  const nn::CocoAnnotations annotations = nn::read_coco_annotations(options.annotations);
+  const nn::CocoResults results = nn::read_coco_results(options.results, annotations);
+  CocoReport report;
+  report.images = annotations.images.size();
+  report.annotations = annotations.annotations.size();
+  report.crowds = static_cast<std::size_t>(
+      std::count_if(annotations.annotations.begin(), annotations.annotations.end(),
+                    [](const nn::CocoAnnotation& annotation) { return annotation.is_crowd; }));
+  report.results = results.results.size();
+  const bool masks = options.type == "auto" ? any_has_segmentation(annotations.annotations) &&
+                                                  any_has_segmentation(results.results)
+                                            : options.type != "bbox";
+  if (options.type != "segm") {
+    report.boxes = nn::evaluate_coco(annotations, results, nn::CocoRegion::boxes);
+  }
+  if (masks) report.masks = nn::evaluate_coco(annotations, results, nn::CocoRegion::masks);
+  return report;
+}
+
+const char* meaning(std::string_view name) {
+  if (name == "AP") return "IoU 0.50:0.95";
+  if (name == "AP50") return "IoU 0.50";
+  if (name == "AP75") return "IoU 0.75";
+  if (name == "AR1") return "best 1 an image";
+  if (name == "AR10") return "best 10 an image";
+  if (name == "AR100") return "best 100 an image";
+  return name.ends_with('s') ? "small" : name.ends_with('m') ? "medium" : "large";
+}
+
+std::string table(const CocoReport& report) {
+  std::string text =
+      fmt::format("{} images, {} objects and {} crowds, {} detections\n\n{:<26}", report.images,
+                  report.annotations - report.crowds, report.crowds, report.results, "");
+  const auto out = std::back_inserter(text);
+  if (report.boxes) fmt::format_to(out, "{:>10}", "boxes");
+  if (report.masks) fmt::format_to(out, "{:>10}", "masks");
+  const auto append = [&](const std::optional<nn::CocoNumbers>& numbers, std::string_view name) {
+    if (!numbers) return;
+    const double value = (*numbers)[name];
+    fmt::format_to(out, "{:>10}", value == nn::kNoObjects ? "-" : fmt::format("{:.4f}", value));
+  };
+  for (const std::string_view name : nn::kCocoNumberNames) {
+    fmt::format_to(out, "\n{:<8}{:<18}", name, meaning(name));
+    append(report.boxes, name);
+    append(report.masks, name);
+  }
+  return text + "\n";
+}
+
+nlohmann::ordered_json numbers_json(const nn::CocoNumbers& numbers) {
+  nlohmann::ordered_json json;
+  for (const std::string_view name : nn::kCocoNumberNames) {
+    const double value = numbers[name];
+    json[std::string(name)] =
+        value == nn::kNoObjects ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
+  }
+  return json;
+}
+
+nlohmann::ordered_json to_json(const CocoReport& report) {
+  nlohmann::ordered_json json = {{"images", report.images},
+                                 {"objects", report.annotations - report.crowds},
+                                 {"crowds", report.crowds},
+                                 {"detections", report.results}};
+  if (report.boxes) json["bbox"] = numbers_json(*report.boxes);
+  if (report.masks) json["segm"] = numbers_json(*report.masks);
+  return json;
+}
+
+}  // namespace
+
+void add_eval_coco_command(CLI::App& app) {
+  const auto options = std::make_shared<EvalCocoOptions>();
+  CLI::App* command = app.add_subcommand(
+      "eval-coco", "Compare detections with ground truth: COCO's AP and AR of boxes and masks");
+  command->footer(kExamples);
+  command->add_option("--annotations", options->annotations, "ground truth, COCO's instances format")
+      ->required();
+  command->add_option("--results", options->results, "detections, COCO's results format")->required();
+  command
+      ->add_option("--type", options->type,
+                   "what to compare; auto: boxes, and masks where both files have segmentations")
+      ->check(CLI::IsMember({"auto", "bbox", "segm", "both"}))
+      ->capture_default_str();
+  command->add_flag("--json", options->json,
+                    "print JSON instead of a table; null where there is no object of a kind");
+  command->callback([options] {
+    const CocoReport report = evaluate(*options);
+    fmt::print("{}", options->json ? to_json(report).dump(2) + "\n" : table(report));
+  });
+}
+
+}  // namespace penumbra::apps

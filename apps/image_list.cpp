@@ -1,0 +1,90 @@
+#include "apps/image_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "nn/base/error.h"
+#include "nn/io/image_file.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+nn::CocoImageId id_from_name(const std::filesystem::path& path) {
+  constexpr std::size_t kMostDigits = 18;  // fit 64 bits
+  const std::string stem = path.stem().string();
+  const bool digits = stem.find_first_not_of("0123456789") == std::string::npos;
+  if (digits && !stem.empty() && stem.size() <= kMostDigits) return std::int64_t{std::stoll(stem)};
+  return stem;
+}
+
+}  // namespace
+
+std::vector<ListedImage> list_files(const std::vector<std::string>& paths) {
+  std::vector<ListedImage> images;
+  for (const std::string& path : paths) images.push_back({path, id_from_name(path), std::nullopt});
+  return images;
+}
+
+std::vector<ListedImage> list_coco_images(const std::filesystem::path& folder,
+                                          const nn::CocoAnnotations& data_set) {
+  std::vector<ListedImage> images;
+  for (std::size_t i = 0; i < data_set.images.size(); ++i) {
+    const nn::CocoImage& image = data_set.images[i];
+    if (image.file_name.empty()) {
+      throw InputError(fmt::format("{}: images, entry {}", data_set.file, i), "a file_name", "none");
+    }
+    images.push_back({folder / image.file_name, image.id, cv::Size(image.width, image.height)});
+  }
+  return images;
+}
+
+cv::Mat read_listed_image(const ListedImage& listed) {
+  const cv::Mat image = nn::read_image(listed.path, nn::ImageColour::bgr);
+  if (listed.size && image.size() != *listed.size) {
+    throw InputError(
+        listed.path.string(),
+        fmt::format("{} x {} pixels as in the annotations", listed.size->width, listed.size->height),
+        fmt::format("{} x {}", image.cols, image.rows));
+  }
+  return image;
+}
+
+std::filesystem::path picture_name(const ListedImage& image) {
+  return image.path.stem().string() + "_overlay.png";
+}
+
+void check_picture_names(const std::vector<ListedImage>& images) {
+  std::set<std::filesystem::path> names;
+  for (const ListedImage& image : images) {
+    if (!names.insert(picture_name(image)).second) {
+      throw UsageError(
+          fmt::format("{}: another image of this name is in the list, their pictures would overwrite "
+                      "each other",
+                      image.path.string()));
+    }
+  }
+}
+
+std::vector<std::optional<std::int64_t>> category_ids(const std::vector<std::string>& class_names,
+                                                      const nn::CocoAnnotations& data_set) {
+  std::map<std::string, std::int64_t> id_of_name;
+  for (const nn::CocoCategory& category : data_set.categories) {
+    id_of_name.emplace(category.name, category.id);
+  }
+  std::vector<std::optional<std::int64_t>> ids;
+  for (const std::string& name : class_names) {
+    const auto found = id_of_name.find(name);
+    ids.push_back(found == id_of_name.end() ? std::nullopt : std::optional(found->second));
+  }
+  if (std::none_of(ids.begin(), ids.end(), [](const auto& id) { return id.has_value(); })) {
+    throw InputError(data_set.file, "categories named as the network's classes",
+                     fmt::format("none of {} (--classes FILE names the classes)", class_names.size()));
+  }
+  return ids;
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,39 @@
+#include "apps/network_options.h"
+
+#include <fmt/format.h>
+
+namespace penumbra::apps {
+
+void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
+  nn::MaskRcnnConfig& mask_rcnn = network.mask_rcnn;
+  nn::Yolov5Config& yolov5 = network.yolov5;
+  command
+      ->add_option("--min-size", mask_rcnn.transform.min_size,
+                   "Mask R-CNN: shorter side at the network, pixels")
+      ->capture_default_str()
+      ->check(CLI::Range(32, 4096));
+  command
+      ->add_option_function<int>(
+          "--max-size", [&](int size) { mask_rcnn.transform.max_size = yolov5.letterbox.size = size; },
+          fmt::format("longest side at the network, pixels [Mask R-CNN {}, YOLOv5 {}]",
+                      mask_rcnn.transform.max_size, yolov5.letterbox.size))
+      ->check(CLI::Range(32, 8192));
+  command
+      ->add_option_function<float>(
+          "--score-threshold",
+          [&](float score) { mask_rcnn.box_head.score_threshold = yolov5.score_threshold = score; },
+          fmt::format("least score of any instance [Mask R-CNN {}, YOLOv5 {}]",
+                      mask_rcnn.box_head.score_threshold, yolov5.score_threshold))
+      ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option_function<int>(
+          "--max-detections",
+          [&](int count) { mask_rcnn.box_head.max_detections = yolov5.max_detections = count; },
+          fmt::format("most instances an image [Mask R-CNN {}, YOLOv5 {}]", mask_rcnn.box_head.max_detections,
+                      yolov5.max_detections))
+      ->check(CLI::Range(1, 1000));
+  command->add_flag("!--no-attention", mask_rcnn.attention,
+                    "leave the weights' attention out: the baseline network");
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,141 @@
+#include "nn/evaluation/coco_annotations.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <unordered_set>
+
+#include "nn/base/error.h"
+#include "nn/base/text.h"
+
+namespace penumbra::nn {
+
+namespace {
+
+using nlohmann::json;
+
+int read_image_side(const JsonFields& fields, const char* key) {
+  const std::int64_t side = fields.integer(key);
+  if (side < 1 || side > kLargestImageSide) {
+    fields.fail(key, fmt::format("1..{} pixels", kLargestImageSide), fmt::format("{}", side));
+  }
+  return static_cast<int>(side);
+}
+
+// Absent, 0, 1, false or true.
+bool read_flag(const JsonFields& fields, const char* key) {
+  if (!fields.has(key)) return false;
+  const json& value = fields.at(key);
+  if (value.is_boolean()) return value.get<bool>();
+  if (!value.is_number_integer() || (value != 0 && value != 1)) fields.fail(key, "0 or 1", describe(value));
+  return value == 1;
+}
+
+CocoImage read_image(const JsonFields& fields) {
+  CocoImage image;
+  image.id = read_image_id(fields, "id");
+  image.width = read_image_side(fields, "width");
+  image.height = read_image_side(fields, "height");
+  if (fields.has("file_name")) image.file_name = fields.text("file_name");
+  return image;
+}
+
+CocoAnnotation read_annotation(const JsonFields& fields, const CocoAnnotations& all) {
+  CocoAnnotation annotation;
+  const CocoImageId image_id = read_image_id(fields, "image_id");
+  const auto image = all.image_of_id.find(image_id);
+  if (image == all.image_of_id.end()) {
+    fields.fail("image_id", "the id of one of the images", to_string(image_id));
+  }
+  annotation.image = image->second;
+  const std::int64_t category_id = fields.integer("category_id");
+  const auto category = all.category_of_id.find(category_id);
+  if (category == all.category_of_id.end()) {
+    fields.fail("category_id", "the id of one of the categories", fmt::format("{}", category_id));
+  }
+  annotation.category = category->second;
+  annotation.box = read_coco_box(fields, "bbox");
+  annotation.area = fields.number("area");
+  if (annotation.area < 0.0) fields.fail("area", "a number >= 0", fmt::format("{}", annotation.area));
+  annotation.is_crowd = read_flag(fields, "iscrowd");
+  annotation.segmentation = read_segmentation(fields);
+  check_mask_size(fields, annotation.segmentation, all.images[annotation.image]);
+  return annotation;
+}
+
+}  // namespace
+
+std::string to_string(const CocoImageId& id) {
+  if (const auto* number = std::get_if<std::int64_t>(&id)) return fmt::format("{}", *number);
+  return fmt::format("\"{}\"", printable(std::get<std::string>(id)));
+}
+
+CocoImageId read_image_id(const JsonFields& fields, const char* key) {
+  const json& value = fields.at(key);
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_number_integer()) fields.fail(key, "a whole number or a text", describe(value));
+  return fields.integer(key);
+}
+
+CocoBox read_coco_box(const JsonFields& fields, const char* key) {
+  const json& list = fields.at(key);
+  if (!list.is_array() || list.size() != 4) fields.fail(key, "[x, y, width, height]", describe(list));
+  for (const json& number : list) {
+    if (!number.is_number()) fields.fail(key, "four numbers", describe(number));
+    if (std::abs(number.get<double>()) > kLargestCoordinate) {
+      fields.fail(key, fmt::format("numbers within +-{:g} pixels", kLargestCoordinate), describe(number));
+    }
+  }
+  const CocoBox box{list[0].get<double>(), list[1].get<double>(), list[2].get<double>(),
+                    list[3].get<double>()};
+  if (box.width < 0.0 || box.height < 0.0) {
+    fields.fail(key, "width and height >= 0", fmt::format("{} x {}", box.width, box.height));
+  }
+  return box;
+}
+
+void check_mask_size(const JsonFields& fields, const CocoSegmentation& segmentation, const CocoImage& image) {
+  const RunMask& mask = segmentation.mask;
+  if (mask.width == 0 || (mask.width == image.width && mask.height == image.height)) return;
+  fields.fail("segmentation, size",
+              fmt::format("that of image {}, [{}, {}]", to_string(image.id), image.height, image.width),
+              fmt::format("[{}, {}]", mask.height, mask.width));
+}
+
+CocoAnnotations read_coco_images(const std::filesystem::path& path) {
+  CocoAnnotations all;
+  all.file = path.string();
+  for_each_json_entry(path, {"images", "categories"}, [&](const JsonEntry& entry) {
+    const JsonFields fields(entry);
+    if (entry.section == "images") {
+      all.images.push_back(read_image(fields));
+      const CocoImageId& id = all.images.back().id;
+      if (!all.image_of_id.emplace(id, all.images.size() - 1).second) {
+        fields.fail("id", "an id of its own", to_string(id) + " a second time");
+      }
+    } else {
+      const std::int64_t id = fields.integer("id");
+      all.categories.push_back({id, fields.has("name") ? fields.text("name") : ""});
+      if (!all.category_of_id.emplace(id, all.categories.size() - 1).second) {
+        fields.fail("id", "an id of its own", fmt::format("{} a second time", id));
+      }
+    }
+  });
+  return all;
+}
+
+CocoAnnotations read_coco_annotations(const std::filesystem::path& path) {
+  // Two passes, because annotations may stand before the images that they refer to.
+  CocoAnnotations all = read_coco_images(path);
+  std::unordered_set<std::int64_t> ids;
+  for_each_json_entry(path, {"annotations"}, [&](const JsonEntry& entry) {
+    const JsonFields fields(entry);
+    const std::int64_t id = fields.integer("id");
+    if (!ids.insert(id).second) fields.fail("id", "an id of its own", fmt::format("{} a second time", id));
+    all.annotations.push_back(read_annotation(fields, all));
+  });
+  return all;
+}
+
+}  // namespace penumbra::nn

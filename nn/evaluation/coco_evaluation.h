@@ -1,0 +1,46 @@
+// Average precision and recall of a detector as COCO defines them: twelve numbers for boxes, twelve for
+// masks.
+//
+// For one category, IoU threshold and range of areas, the detections of all images are put in order of
+// falling score and matched (coco_matching.h). After the first k of them
+//   precision p_k = true positives / (true + false positives),  recall r_k = true positives / objects
+//   p(r) = max { p_k : r_k >= r },  0 where r is not reached
+//   AP = mean of p(r) over r = 0, 0.01, ..., 1;   AR = the last r_k
+// and the numbers are means of AP or AR over categories and thresholds. A category without ground truth that
+// counts is left out.
+//
+// Source: Lin et al. 2014, Microsoft COCO; the COCO API's cocoeval.py, whose numbers these are.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "nn/evaluation/coco_annotations.h"
+#include "nn/evaluation/coco_results.h"
+
+namespace penumbra::nn {
+
+enum class CocoRegion {
+  boxes,  // overlap of bounding boxes
+  masks   // overlap of segmentations
+};
+
+// AP over thresholds 0.50 to 0.95, at 0.50, at 0.75; of objects up to 32^2 pixels, up to 96^2, above; AR with
+// at most 1, 10, 100 detections an image and category; AR of small, medium and large objects.
+inline constexpr std::array<std::string_view, 12> kCocoNumberNames = {
+    "AP", "AP50", "AP75", "APs", "APm", "APl", "AR1", "AR10", "AR100", "ARs", "ARm", "ARl"};
+
+inline constexpr double kNoObjects = -1.0;  // the number where no object of its kind exists
+
+struct CocoNumbers {
+  std::array<double, kCocoNumberNames.size()> values{};  // 0..1 or kNoObjects
+
+  double operator[](std::string_view name) const;  // a name of kCocoNumberNames
+};
+
+// Evaluates `results` on all images and categories of `annotations`, with which they were read.
+// For masks, throws InputError that names the file and the first entry without segmentation.
+// Cost: for every image and category detections x objects (at most 100 detections), and sorting.
+CocoNumbers evaluate_coco(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region);
+
+}  // namespace penumbra::nn

@@ -1,0 +1,45 @@
+#include "nn/io/crop_transform.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "nn/base/error.h"
+#include "nn/io/antialiased_resize.h"
+
+namespace penumbra::nn {
+
+FeatureMap transform_image(const cv::Mat& image, const CropTransform& transform, Arena& arena, int border) {
+  if (image.empty() || image.depth() != CV_8U || (image.channels() != 1 && image.channels() != 3)) {
+    throw InputError("image", "8-bit grey or BGR pixels",
+                     fmt::format("{} x {} pixels of {} channels", image.cols, image.rows, image.channels()));
+  }
+  const int shorter = std::min(image.cols, image.rows);
+  const auto resized = [&](int extent) {
+    return static_cast<int>(static_cast<std::int64_t>(transform.resize) * extent / shorter);
+  };
+  const cv::Size size(resized(image.cols), resized(image.rows));
+  // Halves are rounded to even numbers, as Python's round does.
+  const auto margin = [&](int extent) {
+    return static_cast<int>(std::nearbyint((extent - transform.crop) / 2.0));
+  };
+  const cv::Rect window(margin(size.width), margin(size.height), transform.crop, transform.crop);
+  const cv::Mat cropped = antialiased_resize(image, size, window);
+
+  FeatureMap map(arena, 1, 3, transform.crop, transform.crop, border, kImageBlock);
+  const int channels = cropped.channels();
+  for (int y = 0; y < transform.crop; ++y) {
+    const std::uint8_t* in = cropped.ptr(y);
+    float* out = map.pixel(0, 0, y, 0);
+    for (int x = 0; x < transform.crop; ++x, in += channels, out += kImageBlock) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float value = static_cast<float>(in[channels == 3 ? 2 - c : 0]) / 255.0F;  // BGR to RGB
+        out[c] = (value - transform.mean[c]) / transform.standard_deviation[c];
+      }
+      out[3] = 0.0F;
+    }
+  }
+  return map;
+}
+
+}  // namespace penumbra::nn

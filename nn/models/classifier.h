@@ -1,0 +1,44 @@
+// Image classification with a plain ResNet: one score for every class.
+//
+//   logits = W mean_{i, j} C5[:, i, j] + b;   probabilities = softmax(logits)
+//
+// The weights decide depth, width and the number of classes. Source: He et al. 2016;
+// torchvision.models.resnet.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "nn/io/crop_transform.h"
+#include "nn/models/resnet.h"
+
+namespace penumbra::nn {
+
+struct ClassifierConfig {
+  CropTransform transform;
+  float batch_norm_eps = 1e-5F;
+};
+
+class Classifier {
+ public:
+  // Throws InputError that lists every tensor that is missing, mis-shaped or not part of the network.
+  explicit Classifier(const StateDict& weights, ClassifierConfig config = {});
+
+  std::string name() const;
+  int classes() const { return head_.output_channels(); }
+
+  // The logits. `image` is 8-bit grey or BGR of any size, not empty. Activations live in `arena`, nothing in
+  // the network changes.
+  std::vector<float> operator()(const cv::Mat& image, Arena& arena) const;
+
+ private:
+  ClassifierConfig config_;
+  ResNet backbone_;
+  Conv2d head_;
+};
+
+// The `count` classes of the best logits, best first (all where there are fewer; equal ones in order).
+std::vector<int> best_classes(const std::vector<float>& logits, int count);
+
+}  // namespace penumbra::nn

@@ -1,0 +1,48 @@
+// What every network that finds object instances in images looks like from outside.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "nn/layers/box.h"
+#include "nn/layers/mask_paste.h"
+#include "nn/tensor/arena.h"
+
+namespace penumbra::nn {
+
+// An object instance found in an image.
+struct Detection {
+  Box box;  // pixels of the image
+  float score = 0.0F;
+  int label =
+      0;      // class number; 0, background, does not occur. Networks of COCO's classes use COCO's numbers
+  Mask mask;  // empty where the network finds boxes only
+};
+
+class InstanceSegmenter {
+ public:
+  InstanceSegmenter() = default;
+  InstanceSegmenter(const InstanceSegmenter&) = delete;
+  InstanceSegmenter& operator=(const InstanceSegmenter&) = delete;
+  virtual ~InstanceSegmenter() = default;
+
+  virtual std::string name() const = 0;  // for messages: "Mask R-CNN ResNet-50 FPN"
+  // One more than the highest label: the background counts, and so do gaps in COCO's numbering.
+  virtual int classes() const = 0;
+  virtual bool has_masks() const = 0;
+
+  // Detections in order of falling score. `image` is 8-bit grey or BGR of any size, not empty (else
+  // InputError). Activations live in `arena`, nothing in the network changes: threads may share a network if
+  // each has an arena of its own.
+  virtual std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const = 0;
+
+  // The same in the network's own arena; for one thread at a time.
+  std::vector<Detection> operator()(const cv::Mat& image) { return detect(image, arena_); }
+  const Arena& arena() const { return arena_; }
+
+ private:
+  Arena arena_;
+};
+
+}  // namespace penumbra::nn

@@ -1,0 +1,32 @@
+#include "nn/models/make_network.h"
+
+#include <string>
+
+#include "nn/base/error.h"
+#include "nn/base/text.h"
+
+namespace penumbra::nn {
+
+namespace {
+
+constexpr const char* kMaskRcnn = "mask_rcnn";
+constexpr const char* kYolov5 = "yolov5";
+
+std::string kind_of(const StateDict& weights) {
+  const auto named = weights.metadata.find("network");
+  if (named != weights.metadata.end()) return named->second;
+  const auto first = weights.tensors.lower_bound("model.");
+  return first != weights.tensors.end() && first->first.starts_with("model.") ? kYolov5 : kMaskRcnn;
+}
+
+}  // namespace
+
+std::unique_ptr<InstanceSegmenter> make_network(const StateDict& weights, const NetworkConfig& config) {
+  const std::string kind = kind_of(weights);
+  if (kind == kMaskRcnn) return std::make_unique<MaskRcnn>(weights, config.mask_rcnn);
+  if (kind == kYolov5) return std::make_unique<Yolov5>(weights, config.yolov5);
+  throw InputError(weights.source + ", metadata network",
+                   std::string("'") + kMaskRcnn + "' or '" + kYolov5 + "'", "'" + printable(kind) + "'");
+}
+
+}  // namespace penumbra::nn

@@ -1,0 +1,58 @@
+// YOLOv5 (releases 6 and 7), detection or instance segmentation: image in, object instances out.
+//
+//   image -> letterbox -> backbone and neck (N3, N4, N5) -> heads -> NMS per class -> masks on the image
+//
+// The weights decide width, depth, the number of classes, the anchors and whether there are masks; batch norm
+// may be folded into them or not. Networks of 80 classes are taken for COCO's: their labels are COCO's
+// category numbers (1..90, with gaps); of others, label = the network's class + 1. Source: Jocher et al.,
+// YOLOv5 7.0; weights_tools/reference/yolov5.py is the oracle.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "nn/io/letterbox.h"
+#include "nn/models/instance_segmenter.h"
+#include "nn/models/yolov5_features.h"
+#include "nn/models/yolov5_head.h"
+
+namespace penumbra::nn {
+
+struct Yolov5Config {
+  Letterbox letterbox;
+  // 0.001 and 300 detections find the last thousandths of average precision, 0.25 gives a clean picture.
+  float score_threshold = 0.02F;
+  float nms_threshold = 0.6F;
+  int max_candidates = 30000;  // the best ones take part in NMS
+  int max_detections = 100;
+  float mask_threshold = 0.5F;
+};
+
+class Yolov5 : public InstanceSegmenter {
+ public:
+  // Throws InputError that lists every tensor that is missing, mis-shaped or not part of the network.
+  explicit Yolov5(const StateDict& weights, Yolov5Config config = {});
+
+  std::string name() const override { return shape_.name(); }
+  int classes() const override;
+  bool has_masks() const override { return head_.has_masks(); }
+  const Yolov5Shape& shape() const { return shape_; }
+
+  std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const override;
+
+  // The network alone, without what comes before and after. `image` is [1, 3, H, W] in blocks of 4, extents
+  // multiples of 32.
+  Yolov5Output forward(const FeatureMap& image, Arena& arena) const;
+  const Yolov5Head& head() const { return head_; }
+
+ private:
+  std::vector<Yolov5Candidate> best_candidates(const Yolov5Output& output) const;
+
+  Yolov5Config config_;
+  Yolov5Shape shape_;
+  Yolov5Features features_;
+  Yolov5Head head_;
+};
+
+}  // namespace penumbra::nn

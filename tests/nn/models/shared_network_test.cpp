@@ -1,0 +1,54 @@
+// One loaded network serves several threads, each with its own arena. Also run under ThreadSanitizer: see
+// CONTRIBUTING.md.
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <thread>
+#include <vector>
+
+#include "nn/models/mask_rcnn.h"
+#include "tests/support/random_network.h"
+
+namespace penumbra::nn {
+namespace {
+
+TEST(SharedNetwork, ThreadsWithTheirOwnArenasGetTheSameBitsAsOneAlone) {
+  MaskRcnnConfig config;
+  config.transform.min_size = 64;
+  config.transform.max_size = 96;
+  const MaskRcnn network(test::random_mask_rcnn(true), config);
+  constexpr int kThreads = 3, kImages = 2;
+  const auto image = [](int thread, int i) {
+    return test::random_image(static_cast<std::uint32_t>(10 * thread + i), 60 + 9 * thread, 50 + 7 * i);
+  };
+
+  std::vector<std::vector<std::vector<Detection>>> found(kThreads);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      omp_set_num_threads(1);  // of this thread's own team
+      Arena arena;
+      for (int i = 0; i < kImages; ++i)
+        found[static_cast<std::size_t>(t)].push_back(network.detect(image(t, i), arena));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+
+  Arena arena;
+  for (int t = 0; t < kThreads; ++t) {
+    for (int i = 0; i < kImages; ++i) {
+      const std::vector<Detection> alone = network.detect(image(t, i), arena);
+      const std::vector<Detection>& together =
+          found[static_cast<std::size_t>(t)][static_cast<std::size_t>(i)];
+      ASSERT_EQ(together.size(), alone.size());
+      for (std::size_t d = 0; d < alone.size(); ++d) {
+        EXPECT_EQ(together[d].score, alone[d].score);
+        EXPECT_EQ(together[d].box.x1, alone[d].box.x1);
+        EXPECT_EQ(together[d].mask.bits, alone[d].mask.bits);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra::nn

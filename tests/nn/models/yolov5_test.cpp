@@ -1,0 +1,245 @@
+// YOLOv5 against an independent PyTorch module: see weights_tools/reference/make_yolov5_fixtures.py.
+#include "nn/models/yolov5.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "nn/base/error.h"
+#include "nn/evaluation/coco_evaluation.h"
+#include "nn/io/coco_rle.h"
+#include "nn/io/image_file.h"
+#include "nn/models/class_names.h"
+#include "nn/models/coco_categories.h"
+#include "nn/models/make_network.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/random_models.h"
+#include "tests/support/random_network.h"
+#include "tests/support/runs.h"
+#include "tests/support/test_data.h"
+#include "weights_tools/load_weights.h"
+
+namespace penumbra::nn {
+namespace {
+
+nlohmann::json read_json(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return nlohmann::json::parse(file);
+}
+
+test::RandomYolov5 random_options(const nlohmann::json& expected) {
+  return {expected["width"], expected["depth"], expected["classes"], expected["masks"], expected["folded"]};
+}
+
+// Row of the PyTorch module's output: level by level, anchor by anchor, row by row.
+std::size_t row_index(const Yolov5Output& output, const Yolov5Candidate& c) {
+  std::size_t before = 0;
+  for (int level = 0; level < c.level; ++level) {
+    const FeatureMap& map = output.levels[static_cast<std::size_t>(level)];
+    before += static_cast<std::size_t>(3 * map.height() * map.width());
+  }
+  const FeatureMap& map = output.levels[static_cast<std::size_t>(c.level)];
+  return before + static_cast<std::size_t>((c.anchor * map.height() + c.row) * map.width() + c.column);
+}
+
+TEST(Yolov5, RandomWeightsGiveTheRowsAndPrototypesOfPyTorch) {
+  for (const nlohmann::json& expected : read_json(test::fixture("yolov5/random.json"))) {
+    SCOPED_TRACE(expected["seed"]);
+    const Yolov5 network(test::random_yolov5(random_options(expected)));
+    const int classes = expected["classes"];
+    EXPECT_EQ(network.shape().classes, classes);
+    EXPECT_EQ(network.has_masks(), expected["masks"].get<bool>());
+    Arena arena;
+    const cv::Mat image = test::random_image(expected["seed"], expected["size"][0], expected["size"][1]);
+    Letterbox letterbox;
+    letterbox.size = std::max(image.cols, image.rows);  // as it is
+    const LetterboxedImage input = letterbox_image(image, letterbox, arena, Yolov5Features::kImageBorder);
+    const Yolov5Output output = network.forward(input.map, arena);
+
+    const std::vector<Yolov5Candidate> candidates = network.head().decode(output, -1.0F);
+    std::size_t compared = 0;
+    for (const Yolov5Candidate& candidate : candidates) {
+      const std::string index = std::to_string(row_index(output, candidate));
+      if (!expected["rows"].contains(index)) continue;
+      const std::vector<double> row = expected["rows"][index];
+      const Box& box = candidate.box;
+      EXPECT_NEAR((box.x1 + box.x2) / 2, row[0], 2e-3) << index;
+      EXPECT_NEAR((box.y1 + box.y2) / 2, row[1], 2e-3) << index;
+      EXPECT_NEAR(box.width(), row[2], 2e-3 * std::max(row[2] / 100, 1.0)) << index;
+      EXPECT_NEAR(box.height(), row[3], 2e-3 * std::max(row[3] / 100, 1.0)) << index;
+      EXPECT_NEAR(candidate.score, row[4] * row[static_cast<std::size_t>(5 + candidate.label)], 5e-5)
+          << index;
+      if (network.has_masks()) {
+        const auto coefficients = network.head().coefficients(output, candidate);
+        for (std::size_t k = 0; k < coefficients.size(); ++k) {
+          EXPECT_NEAR(coefficients[k], row[static_cast<std::size_t>(5 + classes) + k], 1e-4) << index;
+        }
+      }
+      ++compared;
+    }
+    EXPECT_EQ(compared, expected["rows"].size() * static_cast<std::size_t>(classes));
+    if (!network.has_masks()) continue;
+    const std::vector<float> prototypes = to_tensor(output.prototypes).values;
+    for (const auto& [index, value] : expected["prototypes"].items()) {
+      EXPECT_NEAR(prototypes[std::stoul(index)], value.get<float>(), 2e-5) << index;
+    }
+  }
+}
+
+float box_error(const Box& box, const std::vector<float>& expected) {
+  return std::max({std::abs(box.x1 - expected[0]), std::abs(box.y1 - expected[1]),
+                   std::abs(box.x2 - expected[2]), std::abs(box.y2 - expected[3])});
+}
+
+TEST(Yolov5, PublishedWeightsFindWhatPyTorchFindsOnRealImages) {
+  for (const nlohmann::json& expected : read_json(test::fixture("yolov5/trained.json"))) {
+    PENUMBRA_REAL_DATA(checkpoint, expected["checkpoint"].get<std::string>());
+    PENUMBRA_REAL_DATA(path, expected["image"].get<std::string>());
+    SCOPED_TRACE(path);
+    Yolov5Config config;
+    config.score_threshold = 0.25F;
+    Yolov5 network(weights_tools::load_weights(checkpoint), config);
+    EXPECT_EQ(network.classes(), 91);
+    const cv::Mat image = read_image(path, ImageColour::bgr);
+    const std::vector<Detection> found = network(image);
+    const std::size_t count = expected["scores"].size();
+    ASSERT_EQ(found.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const int label = category_of_class(expected["labels"][i], kCocoClasses);
+      const std::vector<float> box = expected["boxes"][i];
+      const auto match = std::find_if(found.begin(), found.end(), [&](const Detection& d) {
+        return d.label == label && box_error(d.box, box) < 0.02F;
+      });
+      ASSERT_NE(match, found.end()) << "detection " << i;
+      EXPECT_NEAR(match->score, expected["scores"][i].get<float>(), 2e-4);
+      EXPECT_EQ(match->mask.bits.empty(), !expected.contains("masks"));
+      if (!expected.contains("masks")) continue;
+      const std::vector<std::uint32_t> runs = expected["masks"][i];
+      EXPECT_GT(test::mask_iou(mask_runs(match->mask, image.cols, image.rows), runs), 0.998);
+    }
+  }
+}
+
+TEST(Yolov5, AveragePrecisionOnCocoIsTheOneExpected) {
+  PENUMBRA_REAL_DATA(checkpoint, "weights/yolov5n-seg_fused_state_dict_fp16.pth");
+  PENUMBRA_REAL_DATA(folder, "coco");
+  const nlohmann::json expected = read_json(folder / "expected_coco.json");
+  const CocoAnnotations annotations = read_coco_annotations(folder / "instances_val2017_80.json");
+  Yolov5 network(weights_tools::load_weights(checkpoint));
+  CocoResultsWriter writer;
+  for (const CocoImage& entry : annotations.images) {
+    const auto id = std::get<std::int64_t>(entry.id);
+    const cv::Mat image = read_image(folder / "images" / fmt::format("{:012}.jpg", id), ImageColour::bgr);
+    for (const Detection& detection : network(image)) {
+      writer.add(id, detection.label, detection, image.cols, image.rows);
+    }
+  }
+  const test::TemporaryDirectory scratch;
+  writer.write(scratch / "results.json");
+  const CocoResults results = read_coco_results(scratch / "results.json", annotations);
+  EXPECT_NEAR(evaluate_coco(annotations, results, CocoRegion::boxes)["AP"], expected["bbox"]["AP"], 0.003);
+  EXPECT_NEAR(evaluate_coco(annotations, results, CocoRegion::masks)["AP"], expected["segm"]["AP"], 0.003);
+}
+
+TEST(Yolov5, RepeatsBitForBitOnAnyNumberOfThreadsWithoutNewMemory) {
+  Yolov5 network(test::random_yolov5({0.125, 1.0 / 3.0, 4, true, false}));
+  const cv::Mat image = test::random_image(4, 90, 70);
+  const int threads = omp_get_max_threads();
+  const std::vector<Detection> first = network(image);
+  ASSERT_FALSE(first.empty());
+  const std::size_t allocations = network.arena().allocations();
+  for (const int count : {1, 2, 3}) {
+    omp_set_num_threads(count);
+    const std::vector<Detection> again = network(image);
+    ASSERT_EQ(again.size(), first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(again[i].score, first[i].score);
+      EXPECT_EQ(again[i].box.y2, first[i].box.y2);
+      EXPECT_EQ(again[i].mask.bits, first[i].mask.bits);
+    }
+  }
+  omp_set_num_threads(threads);
+  EXPECT_EQ(network.arena().allocations(), allocations);
+}
+
+TEST(Yolov5, ImagesOfAnyShapeAreTakenAndDetectionsLieInsideThem) {
+  Yolov5Config config;
+  config.letterbox.size = 96;
+  Yolov5 network(test::random_yolov5({0.125, 1.0 / 3.0, 2, true, true}), config);
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 3000), cv::Size(3000, 1), cv::Size(96, 64)}) {
+    for (const Detection& d : network(test::random_image(1, size.width, size.height))) {
+      EXPECT_TRUE(d.box.x1 >= 0 && d.box.y1 >= 0 && d.box.x2 <= static_cast<float>(size.width) &&
+                  d.box.y2 <= static_cast<float>(size.height));
+      EXPECT_LE(d.mask.x + d.mask.width, size.width);
+      EXPECT_LE(d.mask.y + d.mask.height, size.height);
+      EXPECT_TRUE(d.label >= 1 && d.label < network.classes());
+    }
+    EXPECT_NO_THROW(network(cv::Mat1b(size, std::uint8_t{0})));
+  }
+  EXPECT_THROW(network(cv::Mat()), InputError);
+  EXPECT_THROW(network(cv::Mat(4, 4, CV_32FC3)), InputError);
+}
+
+TEST(Yolov5, WeightsThatAreNotANumberGiveNoDetections) {
+  StateDict weights = test::random_yolov5({0.125, 1.0 / 3.0, 2, true, true});
+  const std::vector<float> values(8 * 3 * 6 * 6, std::nanf(""));
+  weights.tensors["model.0.conv.weight"].bytes = std::as_bytes(std::span(values));
+  Yolov5 network(weights);
+  EXPECT_TRUE(network(test::random_image(1, 64, 48)).empty());
+}
+
+TEST(Yolov5, OneErrorListsEveryTensorThatDoesNotFit) {
+  StateDict weights = test::random_yolov5({0.25, 1.0 / 3.0, 80, true, false});
+  weights.source = "bad.pth";
+  weights.tensors.erase("model.9.cv2.conv.weight");
+  weights.tensors["model.0.bn.weight"].shape = {4, 4};
+  weights.tensors["surprise"] = weights.tensors["model.0.bn.bias"];
+  test::expect_error<InputError>([&] { Yolov5 network(weights); },
+                                 {"bad.pth", "weights of YOLOv5n-seg", "3 that do not fit",
+                                  "missing model.9.cv2.conv.weight [256, 512, 1, 1]",
+                                  "model.0.bn.weight: expected shape [16], found [4, 4]", "surprise [16]"});
+  EXPECT_THROW(Yolov5{StateDict{}}, InputError);
+}
+
+TEST(Yolov5, ShapesAreThoseOfThePublishedModels) {
+  EXPECT_EQ(yolov5_shape(0.25, 1.0 / 3.0, 80, false).name(), "YOLOv5n");
+  const Yolov5Shape medium = yolov5_shape(0.75, 2.0 / 3.0, 80, true);
+  EXPECT_EQ(medium.name(), "YOLOv5m-seg");
+  EXPECT_EQ(medium.channels, (std::array{48, 96, 192, 384, 768}));
+  EXPECT_EQ(medium.backbone_repetitions, (std::array{2, 4, 6, 2}));
+  EXPECT_EQ(yolov5_shape(1.25, 4.0 / 3.0, 80, false).backbone_repetitions, (std::array{4, 8, 12, 4}));
+}
+
+TEST(MakeNetwork, TellsTheNetworkByNamesOrMetadata) {
+  EXPECT_EQ(make_network(test::random_mask_rcnn(false))->name(), "Mask R-CNN ResNet-50 FPN");
+  StateDict yolov5 = test::random_yolov5({0.125, 1.0 / 3.0, 2, false, true});
+  EXPECT_EQ(make_network(yolov5)->name(), "YOLOv5 (width 0.125, depth 0.333)");
+  EXPECT_FALSE(make_network(yolov5)->has_masks());
+  EXPECT_EQ(make_network(yolov5)->classes(), 3);
+  yolov5.metadata["network"] = "yolov5";
+  EXPECT_NO_THROW(make_network(yolov5));
+  yolov5.metadata["network"] = "mask_rcnn";
+  EXPECT_THROW(make_network(yolov5), InputError);
+  yolov5.metadata["network"] = "perceptron";
+  test::expect_error<InputError>([&] { make_network(yolov5); }, {"metadata network", "'perceptron'"});
+}
+
+TEST(ClassNames, EightyNamesGoToCocosNumbers) {
+  StateDict weights;
+  std::string names;
+  for (int c = 0; c < kCocoClasses; ++c) names += fmt::format("thing-{}\n", c);
+  weights.metadata["classes"] = names;
+  const std::vector<std::string> spread = class_names(weights, 91, {});
+  EXPECT_EQ(spread[1], "thing-0");
+  EXPECT_EQ(spread[13], "thing-11") << "12 is a gap";
+  EXPECT_EQ(spread[90], "thing-79");
+  const std::vector<std::string> coco = class_names({}, 91, {});
+  EXPECT_EQ(coco[static_cast<std::size_t>(category_of_class(2, kCocoClasses))], "car");
+  EXPECT_EQ(coco[static_cast<std::size_t>(category_of_class(79, kCocoClasses))], "toothbrush");
+}
+
+}  // namespace
+}  // namespace penumbra::nn
