@@ -51,18 +51,22 @@ struct NameList {
 };
 
 NameList listed_names(const StateDict& weights, const std::filesystem::path& file) {
-  if (!file.empty()) return {split(read_file(file, "a list of class names"), "\n"), file.string()};
+  NameList list;
   const auto listed = weights.metadata.find("classes");
-  if (listed == weights.metadata.end()) return {};
-  return {split(listed->second, ",\n"), weights.source + ", metadata classes"};
+  if (!file.empty()) {
+    list = {split(read_file(file, "a list of class names"), "\n"), file.string()};
+  } else if (listed != weights.metadata.end()) {
+    list = {split(listed->second, ",\n"), weights.source + ", metadata classes"};
+  }
+  for (const std::string& name : list.names) {
+    const std::string shown = printable(name);
+    if (shown == name) continue;
+    throw InputError(list.place, "class names of at most 120 bytes in plain UTF-8", "'" + shown + "'");
+  }
+  return list;
 }
 
 std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place) {
-  for (const std::string& name : names) {
-    const std::string shown = printable(name);
-    if (shown != name)
-      throw InputError(place, "class names of at most 120 bytes in plain UTF-8", "'" + shown + "'");
-  }
   const int count = static_cast<int>(names.size());
   if (classes == static_cast<int>(kCoco.size()) && count == kCocoClasses) {
     std::vector<std::string> spread(kCoco.size(), "unused");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <ostream>
 #include <set>
 #include <vector>
 
@@ -12,6 +13,10 @@
 #include "tests/support/test_data.h"
 
 namespace penumbra::fuzz {
+
+// How GoogleTest names a target.
+void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -28,6 +28,10 @@ bool read_class_names(std::string_view bytes) {
           require(!name.empty() && name == printable(name, name.size()), "names can be shown");
         }
       });
+      is_read([&] {
+        const auto names = nn::output_names(weights, classes, path);
+        require(static_cast<int>(names.size()) == classes, "every output has a name");
+      });
     }
   }
   return is_list;
