@@ -4,8 +4,8 @@
 // side, so a vector register holds channels of one pixel, and a convolution's taps are constant offsets. The
 // border around the pixels holds zeros: it is the zero padding of the convolution that reads the map.
 //   block 16: activations (oneDNN calls this nChw16c)     block 4: RGB images, the fourth channel 0
-// Channels beyond C in the last block hold whatever the layer computes there, finite numbers: convolutions multiply
-// them by zero weights.
+// Channels beyond C in the last block hold whatever the layer computes there, finite numbers: convolutions
+// multiply them by zero weights.
 #pragma once
 
 #include <cstddef>
