@@ -14,6 +14,7 @@
 #include "apps/commands.h"
 #include "apps/compute_options.h"
 #include "apps/image_list.h"
+#include "apps/load_network.h"
 #include "apps/network_options.h"
 #include "apps/overlay.h"
 #include "apps/progress_bar.h"
@@ -21,10 +22,7 @@
 #include "nn/base/error.h"
 #include "nn/evaluation/coco_results.h"
 #include "nn/io/image_file.h"
-#include "nn/models/class_names.h"
-#include "nn/models/make_network.h"
 #include "nn/simd/isa.h"
-#include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
 
@@ -84,10 +82,8 @@ class SegmentRun {
   SegmentRun(const SegmentOptions& options, const SegmentInput& input)
       : options_(options),
         input_(input),
-        weights_(weights_tools::load_weights(options.weights)),
-        network_(nn::make_network(weights_, options.network)),
-        names_(nn::class_names(weights_, network_->classes(), options.classes)),
-        categories_(find_categories(input, names_)) {}
+        loaded_(load_network(options.weights, options.classes, options.network)),
+        categories_(find_categories(input, loaded_.names)) {}
 
   void run() {
     {
@@ -128,7 +124,7 @@ class SegmentRun {
       return;
     }
     const auto start = std::chrono::steady_clock::now();
-    const std::vector<nn::Detection> detections = (*network_)(image);
+    const std::vector<nn::Detection> detections = (*loaded_.network)(image);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     seconds_ += seconds;
     ++segmented_;
@@ -150,27 +146,28 @@ class SegmentRun {
     SegmentedImage segmented{listed.path, image.size(), detections, seconds, std::nullopt};
     if (options_.pictures || !options_.whole_set()) {
       segmented.picture = std::filesystem::path(options_.out) / picture_name(listed);
-      nn::write_image(*segmented.picture, draw_overlay(image, detections, names_, options_.show_above));
+      nn::write_image(*segmented.picture,
+                      draw_overlay(image, detections, loaded_.names, options_.show_above));
     }
     if (options_.json) {
-      report_.push_back(image_json(segmented, names_,
+      report_.push_back(image_json(segmented, loaded_.names,
                                    options_.whole_set() ? std::nullopt : std::optional(options_.show_above)));
     } else if (!options_.whole_set()) {
-      fmt::print("{}", image_text(segmented, names_, options_.show_above));
+      fmt::print("{}", image_text(segmented, loaded_.names, options_.show_above));
     }
   }
 
   void print_summary() const {
     fmt::print("{} images, {} instances, {:.3f} s an image, {:.0f} MB of activations\n", segmented_,
                results_.size() + left_out_, segmented_ > 0 ? seconds_ / segmented_ : 0.0,
-               static_cast<double>(network_->arena().bytes()) * 1e-6);
+               static_cast<double>(loaded_.network->arena().bytes()) * 1e-6);
   }
 
   void print_json(const std::filesystem::path& results) const {
-    const nlohmann::ordered_json json = {{"network", network_->name()},
+    const nlohmann::ordered_json json = {{"network", loaded_.network->name()},
                                          {"isa", nn::to_string(nn::current_isa())},
                                          {"threads", omp_get_max_threads()},
-                                         {"peak_arena_bytes", network_->arena().bytes()},
+                                         {"peak_arena_bytes", loaded_.network->arena().bytes()},
                                          {"seconds", seconds_},
                                          {"instances", results_.size() + left_out_},
                                          {"results", results.string()},
@@ -181,9 +178,7 @@ class SegmentRun {
 
   const SegmentOptions& options_;
   const SegmentInput& input_;
-  nn::StateDict weights_;
-  std::unique_ptr<nn::InstanceSegmenter> network_;
-  std::vector<std::string> names_;
+  LoadedNetwork loaded_;
   std::vector<std::optional<std::int64_t>> categories_;
   nn::CocoResultsWriter results_;
   nlohmann::ordered_json report_ = nlohmann::ordered_json::array();  // an entry an image

@@ -1,11 +1,6 @@
 #include "apps/segmenter.h"
 
-#include <memory>
-
 #include "nn/base/error.h"
-#include "nn/models/class_names.h"
-#include "nn/models/make_network.h"
-#include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
 
@@ -28,19 +23,21 @@ slam::Instance to_instance(const nn::Detection& detection, const std::vector<std
 
 }  // namespace
 
-slam::Segmenter load_segmenter(const std::filesystem::path& path, const std::filesystem::path& classes) {
-  const nn::StateDict weights = weights_tools::load_weights(path);
+nn::NetworkConfig slam_network_config() {
   nn::NetworkConfig config;
   config.yolov5.score_threshold = config.mask_rcnn.box_head.score_threshold;
-  const std::shared_ptr<nn::InstanceSegmenter> network = nn::make_network(weights, config);
-  if (!network->has_masks()) {
-    throw InputError(path.string(), "weights of a network that finds masks",
-                     network->name() + ", boxes only");
+  return config;
+}
+
+slam::Segmenter make_segmenter(const LoadedNetwork& loaded) {
+  if (!loaded.network->has_masks()) {
+    throw InputError(loaded.source, "weights of a network that finds masks",
+                     loaded.network->name() + ", boxes only");
   }
-  return [network, names = nn::class_names(weights, network->classes(), classes)](const cv::Mat& image) {
+  return [loaded](const cv::Mat& image) {
     std::vector<slam::Instance> instances;
-    for (const nn::Detection& detection : (*network)(image)) {
-      if (!detection.mask.bits.empty()) instances.push_back(to_instance(detection, names));
+    for (const nn::Detection& detection : (*loaded.network)(image)) {
+      if (!detection.mask.bits.empty()) instances.push_back(to_instance(detection, loaded.names));
     }
     return instances;
   };

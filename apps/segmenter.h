@@ -1,15 +1,16 @@
 // The network as the SLAM's segmenter.
 #pragma once
 
-#include <filesystem>
-
+#include "apps/load_network.h"
 #include "slam/semantics/instance.h"
 
 namespace penumbra::apps {
 
-// Loads the weights once; the segmenter keeps the network, Mask R-CNN or YOLOv5. Throws InputError where it
-// finds boxes without masks. `classes` as in nn/models/class_names.h, may be
-// empty.
-slam::Segmenter load_segmenter(const std::filesystem::path& weights, const std::filesystem::path& classes);
+// Settings of a network whose masks the SLAM uses.
+nn::NetworkConfig slam_network_config();
+
+// The segmenter shares the network, Mask R-CNN or YOLOv5. Throws InputError where it finds boxes without
+// masks.
+slam::Segmenter make_segmenter(const LoadedNetwork& loaded);
 
 }  // namespace penumbra::apps

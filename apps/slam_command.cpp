@@ -57,10 +57,10 @@ class InterruptGuard {
   void (*before_)(int);
 };
 
-// An empty one where none is asked for.
-slam::Segmenter make_segmenter(const SlamOptions& options) {
-  if (options.no_segmentation || options.weights.empty()) return {};
-  return load_segmenter(options.weights, options.classes);
+// Empty where no segmentation is asked for.
+std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
+  if (options.no_segmentation || options.weights.empty()) return std::nullopt;
+  return load_network(options.weights, options.classes, slam_network_config());
 }
 
 slam::SlamSettings make_settings(const SlamOptions& options) {
@@ -163,8 +163,9 @@ void run_slam(const SlamOptions& options) {
 
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset, dataset_options);
   run.dataset = dataset->name();
-  const slam::Segmenter segmenter = make_segmenter(options);
-  run.segmentation = static_cast<bool>(segmenter);
+  const std::optional<LoadedNetwork> loaded = find_network(options);
+  const slam::Segmenter segmenter = loaded ? make_segmenter(*loaded) : slam::Segmenter();
+  run.segmentation = loaded.has_value();
   const std::filesystem::path out = options.out;
   std::error_code error;
   std::filesystem::create_directories(out, error);
@@ -174,6 +175,7 @@ void run_slam(const SlamOptions& options) {
   cv::setNumThreads(1);  // the frames' two images are the parallel work
   slam::Slam slam(dataset->camera(), run.settings, segmenter);
   run.error = process_frames(*dataset, slam);
+  if (loaded) run.peak_arena_bytes = loaded->network->arena().bytes();
   write_results(out, *dataset, slam, run);
   print_summary(slam_report(run, slam), out);
   if (!run.error.empty()) throw Error(run.error);

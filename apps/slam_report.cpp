@@ -59,6 +59,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["keyframes"] = slam.map().keyframes().size();
   json["map_points"] = map_points;
   json["movable_features"] = movable_features;
+  if (run.segmentation) json["peak_arena_bytes"] = run.peak_arena_bytes;
   for (const auto& [stage, times] : slam.timer().stages()) {
     const double median = rounded(slam::quantile_of(times, 0.5));
     if (stage == "frame") {

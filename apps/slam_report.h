@@ -15,13 +15,14 @@ struct SlamRun {
   slam::SlamSettings settings;
   bool segmentation = false;
   bool deterministic = false;
+  std::size_t peak_arena_bytes = 0;            // of the network's activations
   std::string error;                           // empty: the run came to its end
   std::optional<slam::Evaluation> evaluation;  // where there is ground truth
 };
 
-// Keys: dataset, error, settings, frames, tracked, lost, lost_frames, keyframes, map_points, median_ms,
-// p95_ms, stages (medians in ms), mismatch_filter (kept, removed), ground_truth (APE, drift) where there is
-// one.
+// Keys: dataset, error, settings, frames, tracked, lost, lost_frames, keyframes, map_points,
+// movable_features, peak_arena_bytes (with segmentation), median_ms, p95_ms, stages (medians in ms),
+// mismatch_filter (kept, removed), ground_truth (APE, drift) where there is one.
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam);
 
 }  // namespace penumbra::apps
