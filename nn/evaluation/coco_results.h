@@ -12,7 +12,7 @@
 
 #include "nn/evaluation/coco_annotations.h"
 #include "nn/evaluation/coco_segmentation.h"
-#include "nn/models/mask_rcnn.h"
+#include "nn/models/instance_segmenter.h"
 
 namespace penumbra::nn {
 

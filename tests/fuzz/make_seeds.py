@@ -196,11 +196,47 @@ def frame_ranges():
         yield name, text.encode()
 
 
+def coco_annotation_files():
+    image = {"id": 1, "width": 8, "height": 6, "file_name": "1.jpg"}
+    category = {"id": 1, "name": "car"}
+    annotation = {"id": 1, "image_id": 1, "category_id": 1, "bbox": [1, 1, 3, 2], "area": 6, "iscrowd": 0,
+                  "segmentation": [[1, 1, 4, 1, 4, 3, 1, 3]]}
+    runs = {"size": [6, 8], "counts": [7, 2, 4, 2, 33]}
+
+    def file(images=(image,), categories=(category,), annotations=(annotation,)):
+        return json.dumps(dict(images=images, categories=categories, annotations=annotations)).encode()
+
+    yield "valid_polygon", file()
+    yield "valid_crowd", file(annotations=[dict(annotation, iscrowd=1, segmentation=runs)])
+    yield "valid_text_ids", file(images=[dict(image, id="a")], annotations=[dict(annotation, image_id="a")])
+    yield "valid_none", file(annotations=[])
+    yield "bad_runs", file(annotations=[dict(annotation, iscrowd=1, segmentation=dict(runs, counts=[7]))])
+    yield "bad_image_id", file(annotations=[dict(annotation, image_id=2)])
+    yield "bad_twice", file(annotations=[annotation, annotation])
+    yield "bad_box", file(annotations=[dict(annotation, bbox=[1, 1, -3, 2])])
+    yield "bad_width", file(images=[dict(image, width=0)])
+    yield "bad_half", file()[:200]
+    yield "bad_deep", b"[" * 1000
+
+
+def coco_result_files():
+    result = {"image_id": 1, "category_id": 3, "bbox": [1, 1, 3, 2], "score": 0.5,
+              "segmentation": {"size": [6, 8], "counts": "72420Q1"}}
+    yield "valid_box", json.dumps([{k: v for k, v in result.items() if k != "segmentation"}]).encode()
+    yield "valid_none", b"[]"
+    yield "bad_counts", json.dumps([result]).encode()
+    yield "bad_score", json.dumps([dict(result, score="high")]).encode()
+    yield "bad_category", json.dumps([dict(result, category_id=2)]).encode()
+    yield "bad_nan", json.dumps([dict(result, score=float("nan"))]).encode()
+    yield "bad_object", b"{}"
+
+
 def write_all(out):
     seeds = {"pickle": pickles, "torch_zip": zips, "torch_legacy": legacy, "safetensors": safetensors_files,
              "coco_rle": codes, "image_container": images, "image_file": images_for_the_decoder, "number_file": number_files,
              "kitti_calibration": calibrations, "trajectory": trajectories, "class_names": class_lists,
-             "frame_range": frame_ranges}
+             "frame_range": frame_ranges, "coco_annotations": coco_annotation_files,
+             "coco_results": coco_result_files}
     for target, make in seeds.items():
         folder = out / target
         folder.mkdir(parents=True, exist_ok=True)

@@ -22,6 +22,8 @@ constexpr std::array kTargets = {
     Target{"trajectory", read_trajectory},
     Target{"class_names", read_class_names},
     Target{"frame_range", read_frame_range},
+    Target{"coco_annotations", read_coco_annotations},
+    Target{"coco_results", read_coco_results},
 };
 
 constexpr std::size_t kLongestMessage = 4096;  // bytes: 64 extents and 64 strides of 64 bits fit

@@ -62,5 +62,7 @@ bool read_kitti_calibration(std::string_view bytes);
 bool read_trajectory(std::string_view bytes);
 bool read_class_names(std::string_view bytes);
 bool read_frame_range(std::string_view bytes);
+bool read_coco_annotations(std::string_view bytes);
+bool read_coco_results(std::string_view bytes);
 
 }  // namespace penumbra::fuzz
