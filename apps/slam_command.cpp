@@ -6,7 +6,6 @@
 
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <opencv2/core.hpp>
 
@@ -16,6 +15,7 @@
 #include "apps/segmenter.h"
 #include "apps/slam_report.h"
 #include "nn/base/error.h"
+#include "nn/io/file.h"
 #include "nn/io/image_file.h"
 #include "slam/datasets/open_dataset.h"
 #include "slam/datasets/prefetcher.h"
@@ -111,13 +111,6 @@ std::optional<slam::Evaluation> evaluate(const slam::Trajectory& truth, const sl
   return slam::evaluate_trajectory(truth, estimate, options);
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
-}
-
 void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                    const slam::Slam& slam, SlamRun& run) {
   const slam::Trajectory estimate = slam.trajectory();
@@ -131,7 +124,7 @@ void write_results(const std::filesystem::path& out, const slam::StereoDataset& 
     nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
   }
   slam::write_ply(out / "map.ply", slam.map());
-  write_text(out / "run.json", slam_report(run, slam).dump(2) + "\n");
+  nn::write_file(out / "run.json", slam_report(run, slam).dump(2) + "\n");
 }
 
 void print_summary(const nlohmann::json& report, const std::filesystem::path& out) {

@@ -1,10 +1,10 @@
 #include "slam/map/ply.h"
 
-#include <fstream>
-#include <string>
-#include <system_error>
+#include <fmt/core.h>
 
-#include "nn/base/error.h"
+#include <string>
+
+#include "nn/io/file.h"
 
 namespace penumbra::slam {
 
@@ -37,13 +37,7 @@ void write_ply(const std::filesystem::path& path, const Map& map) {
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
       map.keyframes().size(), count);
 
-  const std::filesystem::path temporary = path.string() + ".part";
-  std::ofstream file(temporary, std::ios::binary);
-  file << header << vertices;
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(temporary, path, error);
-  if (!file || error) throw Error(fmt::format("{}: cannot be written", path.string()));
+  nn::write_file(path, header + vertices);
 }
 
 }  // namespace penumbra::slam

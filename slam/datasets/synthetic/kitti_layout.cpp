@@ -1,11 +1,11 @@
 // Writes a street sequence as KITTI odometry lays its own out.
 #include <cmath>
 #include <exception>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "nn/base/error.h"
+#include "nn/io/file.h"
 #include "slam/datasets/synthetic/street_sequence.h"
 
 namespace penumbra::slam::synthetic {
@@ -25,13 +25,6 @@ void write_png(const fs::path& path, const cv::Mat& image) {
   if (!written) throw Error(fmt::format("{}: cannot write the image", path.string()));
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot write the file", path.string()));
-}
-
 std::string row_of(const SE3& pose) {
   std::string row;
   for (int r = 0; r < 3; ++r) {
@@ -49,7 +42,7 @@ void write_calibration(const fs::path& path, const StereoCamera& camera) {
     text += fmt::format("P{}: {:.12e} 0 {:.12e} {:.12e} 0 {:.12e} {:.12e} 0 0 0 1 0\n", number, camera.fx,
                         camera.cx, offset, camera.fy, camera.cy);
   }
-  write_text(path, text);
+  nn::write_file(path, text);
 }
 
 void write_trajectory(const fs::path& poses_path, const fs::path& times_path, const Trajectory& poses) {
@@ -59,8 +52,8 @@ void write_trajectory(const fs::path& poses_path, const fs::path& times_path, co
     rows += row_of(first_from_world * pose.T_wc);
     times += fmt::format("{:.6e}\n", pose.timestamp);
   }
-  write_text(poses_path, rows);
-  write_text(times_path, times);
+  nn::write_file(poses_path, rows);
+  nn::write_file(times_path, times);
 }
 
 void write_instances(const fs::path& path, const World& world) {
@@ -70,7 +63,7 @@ void write_instances(const fs::path& path, const World& world) {
     instances[std::to_string(object.instance)] = {{"class", name_of(object.object_class)},
                                                   {"moving", object.motion.moves}};
   }
-  write_text(path, instances.dump(1) + "\n");
+  nn::write_file(path, instances.dump(1) + "\n");
 }
 
 cv::Mat1w encode_depth(const cv::Mat1f& depth) {
