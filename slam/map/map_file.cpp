@@ -7,6 +7,7 @@
 #include "nn/base/byte_stream.h"
 #include "nn/io/crc32.h"
 #include "nn/io/file.h"
+#include "nn/io/image_container.h"
 
 namespace penumbra::slam {
 
@@ -79,9 +80,10 @@ StereoCamera get_camera(ByteReader& in) {
   for (double* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.baseline}) *value = get_finite(in, "camera parameter");
   c.width = in.get<std::int32_t>("image width");
   c.height = in.get<std::int32_t>("image height");
-  if (!(c.fx > 0.0 && c.fy > 0.0 && c.baseline > 0.0 && c.width > 0 && c.height > 0)) {
+  if (!(c.fx > 0.0 && c.fy > 0.0 && c.baseline > 0.0 && c.width > 0 && c.height > 0 &&
+        static_cast<std::int64_t>(c.width) * c.height <= nn::kMaxImagePixels)) {
     throw_invalid(
-        in, "focal lengths, baseline and image size above zero",
+        in, "focal lengths, baseline and image size above zero, and an image that can be",
         fmt::format("fx {} fy {} baseline {} size {}x{}", c.fx, c.fy, c.baseline, c.width, c.height));
   }
   return c;
