@@ -168,7 +168,7 @@ void run_slam(const SlamOptions& options) {
   cv::setNumThreads(1);  // the frames' two images are the parallel work
   slam::Slam slam(dataset->camera(), run.settings, segmenter);
   run.error = process_frames(*dataset, slam);
-  if (loaded) run.peak_arena_bytes = loaded->network->arena().bytes();
+  if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(out, *dataset, slam, run);
   print_summary(slam_report(run, slam), out);
   if (!run.error.empty()) throw Error(run.error);
