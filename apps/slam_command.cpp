@@ -38,7 +38,7 @@ keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
 
 struct SlamOptions {
   std::string dataset, out, sequence, frames, weights, classes;
-  std::string format = "auto", filter = "adaptive";
+  std::string format = "auto", filter = "adaptive", loops = "on";
   bool no_segmentation = false, deterministic = false;
   int features = 0, threads = omp_get_max_threads(), segment_every = 1;
 };
@@ -67,6 +67,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   slam::SlamSettings settings;
   settings.orb.features = options.features;
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
+  settings.loops.enabled = options.loops == "on";
   settings.semantics.interval = options.segment_every;
   settings.threads = options.deterministic ? 1 : options.threads;
   return settings;
@@ -84,6 +85,11 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
       const slam::FrameResult result = slam.process(frames.next());
       if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
       progress.update(static_cast<int>(slam.results().size()));
+      if (result.closed_loop) {
+        const slam::ClosedLoop& loop = slam.loops().back();
+        spdlog::info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame,
+                     loop.earlier_frame, loop.inliers, loop.correction_metres);
+      }
       if (result.tracking.recovered) spdlog::info("frame {}: found again", result.index);
     } catch (const Error& error) {
       return error.what();
@@ -199,6 +205,9 @@ void add_slam_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--filter", options->filter, "histogram mismatch filter")
       ->check(CLI::IsMember({"off", "paper", "adaptive"}))
+      ->capture_default_str();
+  command->add_option("--loops", options->loops, "close loops when a place is seen again")
+      ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   command->add_option("--features", options->features, "features per image; 0 chooses by the image's size")
       ->check(CLI::Range(0, 20000))
