@@ -11,6 +11,8 @@
 
 #include "apps/commands.h"
 #include "apps/compute_options.h"
+#include "apps/frames_report.h"
+#include "apps/keyframe_gallery.h"
 #include "apps/progress_bar.h"
 #include "apps/segmenter.h"
 #include "apps/slam_report.h"
@@ -34,7 +36,8 @@ constexpr const char* kExamples = R"(Examples:
   penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
 
 Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), map.ply (points and
-keyframes), trajectory.png (seen from above), run.json (settings, counts, times, errors against the ground truth).)";
+keyframes), trajectory.png (seen from above), run.json (settings, counts, times, errors against the ground truth),
+frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
 
 struct SlamOptions {
   std::string dataset, out, sequence, frames, weights, classes;
@@ -125,11 +128,14 @@ void write_results(const std::filesystem::path& out, const slam::StereoDataset& 
   if (!estimate.empty()) {
     slam::write_kitti_poses(out / "trajectory_kitti.txt", estimate);
     slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
+    if (!truth.empty()) slam::write_kitti_poses(out / "ground_truth_kitti.txt", truth);
     slam::TrajectoryPlotOptions plot;
     plot.title = dataset.name();
     nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
   }
   slam::write_ply(out / "map.ply", slam.map());
+  write_keyframe_gallery(out / "gallery", dataset, slam);
+  nn::write_file(out / "frames.json", frames_report(slam).dump() + "\n");
   nn::write_file(out / "run.json", slam_report(run, slam).dump(2) + "\n");
 }
 
