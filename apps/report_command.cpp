@@ -26,7 +26,8 @@ struct ReportOptions {
 
 void run_report(const ReportOptions& options) {
   const std::filesystem::path folder = options.run;
-  const std::filesystem::path out = options.out.empty() ? folder / "report.html" : std::filesystem::path(options.out);
+  const std::filesystem::path out =
+      options.out.empty() ? folder / "report.html" : std::filesystem::path(options.out);
   nn::write_file(out, make_report_page(folder));
   fmt::print("{}\n", out.string());
 }

@@ -72,7 +72,8 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
   settings.loops.enabled = options.loops == "on";
   settings.semantics.interval = options.segment_every;
-  settings.threads = options.deterministic ? 1 : options.threads;
+  settings.threads = options.threads;
+  settings.deterministic = options.deterministic;
   return settings;
 }
 
@@ -82,14 +83,16 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
   const InterruptGuard guard;
   slam::Prefetcher frames(dataset);
   ProgressBar progress("Tracking", dataset.size());
+  std::size_t reported_loops = 0;
   while (frames.has_next()) {
     if (interrupted) return fmt::format("interrupted after {} frames", slam.results().size());
     try {
       const slam::FrameResult result = slam.process(frames.next());
       if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
       progress.update(static_cast<int>(slam.results().size()));
-      if (result.closed_loop) {
-        const slam::ClosedLoop& loop = slam.loops().back();
+      const std::vector<slam::ClosedLoop> loops = slam.loops();
+      for (; reported_loops < loops.size(); ++reported_loops) {
+        const slam::ClosedLoop& loop = loops[reported_loops];
         spdlog::info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame,
                      loop.earlier_frame, loop.inliers, loop.correction_metres);
       }
@@ -180,6 +183,7 @@ void run_slam(const SlamOptions& options) {
   cv::setNumThreads(1);  // the frames' two images are the parallel work
   slam::Slam slam(dataset->camera(), run.settings, segmenter);
   run.error = process_frames(*dataset, slam);
+  slam.finish();
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(out, *dataset, slam, run);
   print_summary(slam_report(run, slam), out);
@@ -222,7 +226,8 @@ void add_slam_command(CLI::App& app) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   add_isa_option(command);
-  command->add_flag("--deterministic", options->deterministic, "one thread; results repeat bit for bit");
+  command->add_flag("--deterministic", options->deterministic,
+                    "mapping in line with tracking: results repeat bit for bit");
   command->callback([options] { run_slam(*options); });
 }
 

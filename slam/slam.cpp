@@ -3,6 +3,7 @@
 #include <cmath>
 #include <future>
 #include <opencv2/imgproc.hpp>
+#include <shared_mutex>
 
 #include "nn/base/error.h"
 #include "slam/semantics/movable.h"
@@ -75,7 +76,8 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
       map_(level_scales(settings.orb.pyramid)),
       mapper_(camera_, map_, settings.mapper),
       loop_closer_(camera_, map_, settings.loops),
-      tracker_(camera_, map_, tracker_settings(settings, camera_), timer_) {}
+      tracker_(camera_, map_, tracker_settings(settings, camera_), timer_),
+      worker_(camera_, map_, mapper_, loop_closer_, settings.full_bundle, !settings.deterministic) {}
 
 FrameResult Slam::process(const StereoImages& images) {
   check_image(images.left, camera_, images.index, "left");
@@ -90,9 +92,19 @@ FrameResult Slam::process(const StereoImages& images) {
   frame.index = images.index;
   frame.timestamp = images.timestamp;
   frame.features = features;
-  result.tracking = tracker_.track(frame);
-  result.keyframe = result.tracking.wants_keyframe;
-  if (result.keyframe) result.closed_loop = insert_keyframe(frame, result.tracking.starts_submap);
+  std::optional<MapWork> work;
+  bool is_first = false;
+  {
+    const std::shared_lock lock(map_.mutex());
+    result.tracking = tracker_.track(frame);
+    is_first = frame.reference == nullptr || result.tracking.starts_submap;
+    result.keyframe = result.tracking.wants_keyframe && (is_first || worker_.accepts());
+    if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
+  }
+  if (work) {
+    worker_.submit(std::move(*work));
+    if (is_first) worker_.drain();  // nothing can be tracked before there are points
+  }
 
   result.features = features->size();
   for (int i = 0; i < features->size(); ++i) {
@@ -134,27 +146,36 @@ void Slam::mark_movable(const StereoImages& images, FrameFeatures& features) {
                         settings_.semantics.margin, features.movable);
 }
 
-// Returns whether the keyframe has closed a loop.
-bool Slam::insert_keyframe(Frame& frame, bool starts_submap) {
-  KeyFrame* keyframe = map_.add_keyframe(frame.index, frame.timestamp, frame.T_cw, frame.features);
+// `frame` becomes a keyframe, which the worker puts into the map.
+MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
+  MapWork work;
+  work.tracked = frame.points;
+  work.keyframe = map_.new_keyframe(frame.index, frame.timestamp, frame.T_cw, frame.features);
   if (starts_submap) {
-    keyframe->submap = map_.begin_submap();
+    work.keyframe->submap = map_.begin_submap();
   } else if (frame.reference != nullptr) {
-    keyframe->submap = frame.reference->submap;
+    work.keyframe->submap = frame.reference->submap;
+    work.reference = frame.reference;
+    work.reference_T_cw = current_pose(*frame.reference);
   }
-  {
-    const auto scope = timer_.measure("mapping");
-    mapper_.process(keyframe, frame.points);
-  }
-  const auto scope = timer_.measure("loops");
-  const bool closed = loop_closer_.process(keyframe).has_value();
-  tracker_.set_keyframe(keyframe);
-  frame.reference = keyframe;
+  tracker_.set_keyframe(work.keyframe.get());
+  frame.reference = work.keyframe.get();
   frame.T_c_reference = SE3{};
-  return closed;
+  return work;
+}
+
+void Slam::finish() {
+  worker_.finish();
+  timer_.merge(worker_.take_times());
+}
+
+std::vector<ClosedLoop> Slam::loops() const {
+  const std::shared_lock lock(map_.mutex());
+  return loop_closer_.loops();
 }
 
 Trajectory Slam::trajectory() const {
+  const std::shared_lock lock(map_.mutex());
   Trajectory trajectory;
   trajectory.reserve(entries_.size());
   for (const TrajectoryEntry& entry : entries_) {
@@ -167,6 +188,7 @@ Trajectory Slam::trajectory() const {
 }
 
 Trajectory Slam::keyframe_trajectory() const {
+  const std::shared_lock lock(map_.mutex());
   Trajectory trajectory;
   for (const KeyFrame* keyframe : map_.keyframes()) {
     trajectory.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});

@@ -2,10 +2,13 @@
 //
 //   Slam slam(dataset.camera(), settings);
 //   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
+//   slam.finish();
 //   write(slam.trajectory());
 //
-// Everything is computed in the calling thread, apart from the features of the right image; results do not
-// depend on the number of threads and repeat bit for bit.
+// Tracking never waits for mapping, loop closing or the adjustment of the whole map, which have their own
+// threads (slam/mapping/map_worker.h). With SlamSettings::deterministic all of it happens in the calling
+// thread, apart from the features of the right image; then results do not depend on the number of threads and
+// repeat bit for bit.
 #pragma once
 
 #include <memory>
@@ -17,7 +20,7 @@
 #include "slam/features/orb_extractor.h"
 #include "slam/features/stereo_matcher.h"
 #include "slam/loop/loop_closer.h"
-#include "slam/mapping/local_mapper.h"
+#include "slam/mapping/map_worker.h"
 #include "slam/semantics/instance.h"
 #include "slam/tracking/tracker.h"
 
@@ -36,14 +39,15 @@ struct SlamSettings {
   LocalMapperSettings mapper;
   LoopCloserSettings loops;
   SemanticsSettings semantics;
+  FullBundleSettings full_bundle;
   int threads = 2;  // 1: the right image's features wait for the left's
+  bool deterministic = true;
 };
 
 struct FrameResult {
   int index = 0;
   TrackingReport tracking;
   bool keyframe = false;
-  bool closed_loop = false;
   int features = 0, stereo_features = 0, movable_features = 0;
 };
 
@@ -57,14 +61,17 @@ class Slam {
 
   // Takes the next pair; grey or colour, of the camera's size (InputError otherwise).
   FrameResult process(const StereoImages& images);
+  // Waits until the map is complete. What is read before shows the map as far as it is.
+  void finish();
 
   // Pose of every frame so far, as the map now sees it; a lost frame has the pose that was predicted for it.
   Trajectory trajectory() const;
   Trajectory keyframe_trajectory() const;
 
+  // Loops that were closed so far, in the order in which they were.
+  std::vector<ClosedLoop> loops() const;
+  // After finish() only, the worker's part in them being his until then.
   const Map& map() const { return map_; }
-  // Loops that were closed, in the order in which they were.
-  const std::vector<ClosedLoop>& loops() const { return loop_closer_.loops(); }
   const LoopCloser& loop_closer() const { return loop_closer_; }
   const StageTimer& timer() const { return timer_; }
   const std::vector<FrameResult>& results() const { return results_; }
@@ -81,7 +88,7 @@ class Slam {
 
   std::shared_ptr<FrameFeatures> measure(const StereoImages& images);
   void mark_movable(const StereoImages& images, FrameFeatures& features);
-  bool insert_keyframe(Frame& frame, bool starts_submap);
+  MapWork make_keyframe(Frame& frame, bool starts_submap);
   int count(TrackingState state) const;
 
   const StereoCamera camera_;
@@ -95,6 +102,7 @@ class Slam {
   Tracker tracker_;
   std::vector<TrajectoryEntry> entries_;
   std::vector<FrameResult> results_;
+  MapWorker worker_;  // the last: its threads use the others
 };
 
 }  // namespace penumbra::slam

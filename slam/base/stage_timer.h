@@ -41,6 +41,12 @@ class StageTimer {
 
   Scope measure(const char* stage) { return Scope(*this, stage); }
   void add(const std::string& stage, double milliseconds) { stages_[stage].push_back(milliseconds); }
+  void merge(const StageTimer& other) {
+    for (const auto& [stage, times] : other.stages_) {
+      std::vector<double>& own = stages_[stage];
+      own.insert(own.end(), times.begin(), times.end());
+    }
+  }
   // Stage -> one entry per time it ran.
   const std::map<std::string, std::vector<double>>& stages() const { return stages_; }
 

@@ -1,7 +1,9 @@
 #include "slam/loop/loop_closer.h"
 
 #include <algorithm>
+#include <mutex>
 #include <set>
+#include <shared_mutex>
 
 namespace penumbra::slam {
 
@@ -23,10 +25,15 @@ std::set<int> ids_around(const KeyFrame& keyframe) {
 
 std::optional<ClosedLoop> LoopCloser::process(KeyFrame* keyframe) {
   if (!settings_.enabled) return std::nullopt;
-  remember_older_keyframes(keyframe);
-  const std::optional<VerifiedPlace> place = recognise(*keyframe);
+  std::optional<VerifiedPlace> place;
+  {
+    const std::shared_lock lock(map_.mutex());
+    remember_older_keyframes(keyframe);
+    place = recognise(*keyframe);
+  }
   std::optional<ClosedLoop> closed;
   if (place) {
+    const std::unique_lock lock(map_.mutex());
     const Sighting sighting{keyframe, place->T_cw};
     if (keyframe->id - last_loop_ > settings_.pause && is_consistent(sighting)) {
       close(keyframe, *place);
@@ -135,10 +142,6 @@ void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {
   const MapCorrection correction = correct_map(camera_, map_, keyframe, place, edges_, settings_.correction);
   loop.merged_submaps = correction.merged_submaps;
   edges_.push_back({keyframe, place.keyframe, place.inliers});
-  if (settings_.adjust_whole_map) {
-    FullBundleAdjustment adjustment(camera_, map_, keyframe->submap, settings_.full_bundle);
-    if (adjustment.solve()) adjustment.apply(map_);
-  }
   sightings_.clear();
   last_loop_ = keyframe->id;
   loops_.push_back(loop);

@@ -4,18 +4,17 @@
 //   candidates by appearance -> verified by geometry                  (place_verifier.h)
 //   consistent with the last keyframes' verifications?
 //     -> correct the map, fuse duplicate points                       (map_correction.h)
-//     -> adjust the whole map                                         (full_bundle_adjustment.h)
 //
 // A false loop ruins a map, a missed one costs a little accuracy until the next chance. So several keyframes,
 // taken from different places, must be verified one after the other, and must agree: where loops are true
 // the poses found by each relate to each other as odometry says they do. The correction must also be one
 // that drift can explain, and the place one that had been left before.
 //
-// Everything happens in process(), in line, and repeats bit for bit. For a thread of its own: process() needs
-// the keyframes in the order in which they leave the local mapper, and the map to itself while it corrects;
-// the full adjustment works on a copy and can be stopped.
-// Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-D; Campos et al., ORB-SLAM3 (T-RO 2021),
-// section V (sub-maps).
+// process() needs the keyframes in the order in which they leave the local mapper. It locks the map: shared
+// while it looks for the place, alone while it corrects. What it does repeats bit for bit. A corrected map
+// should be adjusted as a whole (full_bundle_adjustment.h), which the caller does when it has time
+// (map_worker.h). Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-D; Campos et al., ORB-SLAM3
+// (T-RO 2021), section V (sub-maps).
 #pragma once
 
 #include <deque>
@@ -25,7 +24,6 @@
 #include "slam/loop/map_correction.h"
 #include "slam/loop/place_index.h"
 #include "slam/loop/place_verifier.h"
-#include "slam/mapping/full_bundle_adjustment.h"
 
 namespace penumbra::slam {
 
@@ -34,7 +32,6 @@ struct LoopCloserSettings {
   PlaceIndexSettings index;
   PlaceVerifierSettings verifier;
   MapCorrectionSettings correction;
-  FullBundleSettings full_bundle;
   bool adjust_whole_map = true;
   int candidates = 3;  // verified per keyframe
   int age = 5;         // keyframes after which one enters the index
@@ -70,6 +67,8 @@ class LoopCloser {
   // corrected on return: poses and points have moved, points were merged.
   std::optional<ClosedLoop> process(KeyFrame* keyframe);
 
+  // Whether the map is to be adjusted as a whole after a loop.
+  bool adjusts_whole_map() const { return settings_.adjust_whole_map; }
   const PlaceIndex& index() const { return index_; }
   const std::vector<ClosedLoop>& loops() const { return loops_; }
 

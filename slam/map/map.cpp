@@ -58,15 +58,20 @@ int observing_feature(const MapPoint& point, const KeyFrame& keyframe) {
   return at != point.observations.end() && at->keyframe == &keyframe ? at->feature : -1;
 }
 
-KeyFrame* Map::add_keyframe(int frame_index, double timestamp, const SE3& T_cw,
-                            std::shared_ptr<const FrameFeatures> features) {
+std::unique_ptr<KeyFrame> Map::new_keyframe(int frame_index, double timestamp, const SE3& T_cw,
+                                            std::shared_ptr<const FrameFeatures> features) {
   auto keyframe = std::make_unique<KeyFrame>();
-  keyframe->id = static_cast<int>(keyframes_.size());
+  keyframe->id = next_keyframe_id_++;
   keyframe->frame_index = frame_index;
   keyframe->timestamp = timestamp;
   keyframe->T_cw = T_cw;
   keyframe->points.assign(static_cast<std::size_t>(features->size()), nullptr);
   keyframe->features = std::move(features);
+  return keyframe;
+}
+
+KeyFrame* Map::insert_keyframe(std::unique_ptr<KeyFrame> keyframe) {
+  keyframe->inserted = true;
   keyframes_.push_back(std::move(keyframe));
   active_keyframes_.push_back(keyframes_.back().get());
   return active_keyframes_.back();
@@ -185,7 +190,19 @@ void Map::update_covisibility(KeyFrame* keyframe) {
 }
 
 void Map::collect_erased() {
-  std::erase_if(points_, [](const std::unique_ptr<MapPoint>& p) { return p->erased; });
+  if (!readers_let_go_.exchange(false)) return;
+  erased_points_.clear();
+  std::size_t kept = 0;
+  for (std::unique_ptr<MapPoint>& point : points_) {
+    if (point->erased) {
+      erased_points_.push_back(std::move(point));
+    } else {
+      // Where nothing was erased before it, a point stays where it is.
+      if (&points_[kept] != &point) points_[kept] = std::move(point);
+      ++kept;
+    }
+  }
+  points_.resize(kept);
 }
 
 }  // namespace penumbra::slam

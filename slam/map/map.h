@@ -1,11 +1,16 @@
 // The map: keyframes, points, who sees what, and the covisibility graph. Owns them all; every change of the
 // structure goes through here, so that both directions (point -> keyframes, keyframe -> points) always agree.
 //
-// Erased points stay in memory until collect_erased(): whoever holds a pointer to one can still see that it
-// is erased and what replaced it.
+// Erased points stay in memory for a while: whoever holds a pointer to one can still see that it is erased
+// and what replaced it. They are freed by the second collect_erased() after readers_let_go() was called.
+//
+// One thread changes the map, holding mutex() alone; others read, holding it shared. The functions themselves
+// do not lock.
 #pragma once
 
+#include <atomic>
 #include <memory>
+#include <shared_mutex>
 #include <vector>
 
 #include "slam/geometry/stereo_camera.h"
@@ -28,8 +33,17 @@ class Map {
   const std::vector<KeyFrame*>& keyframes() const { return active_keyframes_; }
   const std::vector<std::unique_ptr<MapPoint>>& points() const { return points_; }
 
+  // A keyframe that is no part of the map yet; numbered in the order of the calls, which one thread makes,
+  // with or without the lock.
+  std::unique_ptr<KeyFrame> new_keyframe(int frame_index, double timestamp, const SE3& T_cw,
+                                         std::shared_ptr<const FrameFeatures> features);
+  // In the order in which they were made.
+  KeyFrame* insert_keyframe(std::unique_ptr<KeyFrame> keyframe);
+  // Both in one.
   KeyFrame* add_keyframe(int frame_index, double timestamp, const SE3& T_cw,
-                         std::shared_ptr<const FrameFeatures> features);
+                         std::shared_ptr<const FrameFeatures> features) {
+    return insert_keyframe(new_keyframe(frame_index, timestamp, T_cw, std::move(features)));
+  }
   // A new point that `feature` of `keyframe` shows.
   MapPoint* add_point(const Eigen::Vector3d& position, KeyFrame* keyframe, int feature);
 
@@ -52,16 +66,25 @@ class Map {
   // Recomputes a keyframe's edges, on both ends.
   void update_covisibility(KeyFrame* keyframe);
 
-  // Frees the erased points. No pointer to one may be used afterwards.
+  // Takes erased points out of points(), and frees those that an earlier call took out if readers_let_go()
+  // was called since.
   void collect_erased();
+  // The reader holds no pointers to points that were erased before this call. Needs the lock shared.
+  void readers_let_go() const { readers_let_go_ = true; }
+
+  std::shared_mutex& mutex() const { return mutex_; }
 
  private:
   std::vector<double> scales_;
   std::vector<std::unique_ptr<KeyFrame>> keyframes_;  // also the erased ones
   std::vector<KeyFrame*> active_keyframes_;
   std::vector<std::unique_ptr<MapPoint>> points_;
+  std::vector<std::unique_ptr<MapPoint>> erased_points_;  // perhaps still known to a reader
+  int next_keyframe_id_ = 0;
   int next_point_id_ = 0;
   int newest_submap_ = 0;
+  mutable std::atomic<bool> readers_let_go_{true};
+  mutable std::shared_mutex mutex_;
 };
 
 // Index of `keyframe`'s feature that shows `point`; -1 where none does.

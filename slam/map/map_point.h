@@ -36,4 +36,10 @@ struct MapPoint {
   double found_ratio() const { return static_cast<double>(found) / static_cast<double>(visible); }
 };
 
+// What a point is now: itself, what it was merged into, or nullptr where it was erased.
+inline MapPoint* present(MapPoint* point) {
+  while (point != nullptr && point->erased) point = point->replacement;
+  return point;
+}
+
 }  // namespace penumbra::slam

@@ -95,7 +95,8 @@ bool within_gate(const BundleProblem& problem, const BundleObservation& o) {
 }  // namespace
 
 LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
-                                      const LocalBundleSettings& settings) {
+                                      const LocalBundleSettings& settings,
+                                      std::unique_lock<std::shared_mutex>* lock) {
   const Window window = choose_window(centre, settings);
   BundleProblem problem = make_problem(camera, window, map.scales());
   LocalBundleReport report;
@@ -105,6 +106,7 @@ LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* cent
   report.observations = static_cast<int>(problem.observations.size());
   if (window.keyframes.size() < 2) return report;
 
+  if (lock != nullptr) lock->unlock();
   BundleSettings pass;
   pass.iterations = settings.robust_iterations;
   solve_bundle(problem, pass);
@@ -113,6 +115,7 @@ LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* cent
   pass.robust = false;
   solve_bundle(problem, pass);
 
+  if (lock != nullptr) lock->lock();
   for (std::size_t i = 0; i < window.keyframes.size(); ++i) {
     if (!problem.pose_fixed[i]) window.keyframes[i]->T_cw = problem.poses[i];
   }

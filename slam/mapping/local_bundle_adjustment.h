@@ -7,6 +7,9 @@
 // Source: Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section VI-D.
 #pragma once
 
+#include <mutex>
+#include <shared_mutex>
+
 #include "slam/geometry/stereo_camera.h"
 #include "slam/map/map.h"
 
@@ -23,7 +26,10 @@ struct LocalBundleReport {
   int free_keyframes = 0, fixed_keyframes = 0, points = 0, observations = 0, removed_observations = 0;
 };
 
+// `lock`, where there is one, holds the map's mutex; it is let go while nothing of the map is touched, which
+// is nearly all the time. Others may add observations meanwhile, but not erase.
 LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
-                                      const LocalBundleSettings& settings);
+                                      const LocalBundleSettings& settings,
+                                      std::unique_lock<std::shared_mutex>* lock = nullptr);
 
 }  // namespace penumbra::slam

@@ -1,6 +1,8 @@
 #include "slam/mapping/local_mapper.h"
 
 #include <algorithm>
+#include <mutex>
+#include <shared_mutex>
 
 #include "slam/mapping/point_fusion.h"
 
@@ -25,12 +27,13 @@ int weight_of(const MapPoint& point) {
 }  // namespace
 
 void LocalMapper::process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked) {
+  std::unique_lock lock(map_.mutex());
   connect(keyframe, tracked);
   cull_recent_points(*keyframe);
   create_stereo_points(camera_, keyframe, map_, settings_.point_creation);
   triangulate_with_neighbours(camera_, keyframe, map_, settings_.point_creation);
   fuse_with_neighbours(keyframe);
-  adjust_local_bundle(camera_, keyframe, map_, settings_.bundle);
+  adjust_local_bundle(camera_, keyframe, map_, settings_.bundle, &lock);
   cull_keyframes(*keyframe);
 }
 

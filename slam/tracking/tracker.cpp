@@ -61,6 +61,7 @@ bool Tracker::start(Frame& frame) {
 // `frame` is located: the next one is compared with it.
 void Tracker::remember(const Frame& frame) {
   last_ = frame;
+  last_keyframe_ = nullptr;
   previous_T_cw_ = frame.T_cw;
   previous_time_ = frame.timestamp;
   lost_with_view_ = 0;
@@ -69,24 +70,24 @@ void Tracker::remember(const Frame& frame) {
 void Tracker::set_keyframe(KeyFrame* keyframe) {
   newest_keyframe_ = reference_ = keyframe;
   frames_since_keyframe_ = 0;
-  last_.T_cw = previous_T_cw_ = keyframe->T_cw;
+  last_keyframe_ = keyframe;
   last_.reference = keyframe;
   last_.T_c_reference = SE3{};
-  // The mapper has made points of the frame's features.
-  last_.points = keyframe->points;
 }
 
 // The map has changed since the last frame: poses were adjusted, points merged or removed.
 void Tracker::refresh_last_frame() {
   if (last_.reference != nullptr) last_.T_cw = last_.T_c_reference * current_pose(*last_.reference);
   if (state_ == TrackingState::tracking) previous_T_cw_ = last_.T_cw;
-  for (MapPoint*& point : last_.points) {
-    while (point != nullptr && point->erased) point = point->replacement;
+  // The mapper has made points of the frame's features.
+  if (last_keyframe_ != nullptr && last_keyframe_->inserted && !last_keyframe_->erased) {
+    last_.points = last_keyframe_->points;
   }
+  for (MapPoint*& point : last_.points) point = present(point);
   while (reference_ != nullptr && reference_->erased) reference_ = reference_->stand_in;
   while (newest_keyframe_ != nullptr && newest_keyframe_->erased)
     newest_keyframe_ = newest_keyframe_->stand_in;
-  map_.collect_erased();
+  map_.readers_let_go();
 }
 
 // Every feature of the last frame whose place in space is known, from the map or from its own stereo depth.

@@ -65,7 +65,7 @@ class Tracker {
   // Locates `frame` (its features are given): fills pose, points and reference.
   TrackingReport track(Frame& frame);
 
-  // Tells that `frame`, the last one tracked, has become `keyframe`.
+  // Tells that the last frame tracked has become `keyframe`, which need not be part of the map yet.
   void set_keyframe(KeyFrame* keyframe);
 
  private:
@@ -102,6 +102,7 @@ class Tracker {
   MotionModel motion_;
   KeyFrame* reference_ = nullptr;  // the keyframe that shares the most points with the last frame
   KeyFrame* newest_keyframe_ = nullptr;
+  KeyFrame* last_keyframe_ = nullptr;  // what the last frame has become, if it has
   int frames_since_keyframe_ = 0;
   int lost_with_view_ = 0;  // lost frames in a row that showed enough to begin a map
 };

@@ -1,0 +1,176 @@
+#include "slam/mapping/map_worker.h"
+
+#include <shared_mutex>
+#include <utility>
+
+namespace penumbra::slam {
+
+MapWorker::MapWorker(const StereoCamera& camera, Map& map, LocalMapper& mapper, LoopCloser& loop_closer,
+                     const FullBundleSettings& full_bundle, bool threaded)
+    : camera_(camera),
+      map_(map),
+      mapper_(mapper),
+      loop_closer_(loop_closer),
+      full_bundle_(full_bundle),
+      threaded_(threaded) {
+  if (threaded_) thread_ = std::thread([this] { run(); });
+}
+
+MapWorker::~MapWorker() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    queue_.clear();
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  stop_adjustment();
+}
+
+bool MapWorker::accepts() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.size() < kLongestQueue;
+}
+
+void MapWorker::submit(MapWork work) {
+  if (!threaded_) {
+    process(std::move(work));
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    queue_.push_back(std::move(work));
+  }
+  changed_.notify_all();
+}
+
+void MapWorker::drain() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return failure_ || (queue_.empty() && !working_); });
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+void MapWorker::finish() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return failure_ || (queue_.empty() && !working_ && !adjusting_); });
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+void MapWorker::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [&] { return ending_ || adjusted_ || !queue_.empty(); });
+    if (ending_) return;
+    working_ = true;
+    const bool apply = std::exchange(adjusted_, false);
+    MapWork work;
+    if (!apply) {
+      work = std::move(queue_.front());
+      queue_.pop_front();
+    }
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      if (apply) {
+        apply_adjustment();
+      } else {
+        process(std::move(work));
+      }
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    if (failure) failure_ = failure;
+    working_ = false;
+    adjusting_ = adjustment_ != nullptr;
+    changed_.notify_all();
+  }
+}
+
+void MapWorker::process(MapWork work) {
+  KeyFrame* keyframe = work.keyframe.get();
+  {
+    const std::unique_lock lock(map_.mutex());
+    if (work.reference != nullptr) {
+      const SE3 now = current_pose(*work.reference);
+      if (now.rotation != work.reference_T_cw.rotation ||
+          now.translation != work.reference_T_cw.translation) {
+        keyframe->T_cw = keyframe->T_cw * work.reference_T_cw.inverse() * now;
+      }
+    }
+    for (MapPoint*& point : work.tracked) point = present(point);
+    map_.insert_keyframe(std::move(work.keyframe));
+  }
+  {
+    const auto scope = timer_.measure("mapping");
+    mapper_.process(keyframe, work.tracked);
+  }
+  std::optional<ClosedLoop> closed;
+  {
+    const auto scope = timer_.measure("loops");
+    closed = loop_closer_.process(keyframe);
+  }
+  if (closed) adjust_whole_map(keyframe->submap);
+  collect_erased();
+}
+
+void MapWorker::collect_erased() {
+  if (adjustment_) return;  // refers to points that may have been erased since
+  const std::unique_lock lock(map_.mutex());
+  {
+    const std::lock_guard queue_lock(mutex_);
+    for (MapWork& work : queue_) {
+      for (MapPoint*& point : work.tracked) point = present(point);
+    }
+  }
+  map_.collect_erased();
+}
+
+void MapWorker::adjust_whole_map(int submap) {
+  if (!loop_closer_.adjusts_whole_map()) return;
+  stop_adjustment();
+  {
+    const std::shared_lock lock(map_.mutex());
+    adjustment_ = std::make_unique<FullBundleAdjustment>(camera_, map_, submap, full_bundle_);
+  }
+  if (!threaded_) {
+    const auto scope = timer_.measure("full_bundle");
+    adjustment_->solve();
+    apply_adjustment();
+    return;
+  }
+  adjuster_ = std::thread([this] {
+    std::exception_ptr failure;
+    try {
+      adjustment_->solve(&stop_adjustment_);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard lock(mutex_);
+    if (failure) failure_ = failure;
+    adjusted_ = true;
+    changed_.notify_all();
+  });
+}
+
+void MapWorker::apply_adjustment() {
+  if (adjuster_.joinable()) adjuster_.join();
+  const std::unique_lock lock(map_.mutex());
+  adjustment_->apply(map_);
+  adjustment_.reset();
+}
+
+void MapWorker::stop_adjustment() {
+  if (!adjustment_) return;
+  stop_adjustment_ = true;
+  if (adjuster_.joinable()) adjuster_.join();
+  stop_adjustment_ = false;
+  {
+    const std::lock_guard lock(mutex_);
+    adjusted_ = false;
+  }
+  adjustment_.reset();
+}
+
+}  // namespace penumbra::slam

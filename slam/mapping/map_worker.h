@@ -1,0 +1,94 @@
+// Builds the map beside the tracker: takes keyframes in order, maps them, closes loops, adjusts the whole
+// map.
+//
+//   tracker -> keyframe -> queue -> [ local mapper -> loop closer ]   the worker's thread
+//                                          loop closed -> [ full bundle adjustment ]   a third thread,
+//                                          applied by the worker between two keyframes
+//
+// In line (threaded = false) everything is done before submit() returns, in the caller's thread: results
+// repeat bit for bit. Threaded, the tracker reads the map under Map::mutex() shared, and waits only while
+// the worker holds it alone: to add points and to take over what an adjustment has found, never while one is
+// computed. Only the worker changes the map's structure, so what it holds stays valid while it has let go of
+// the lock.
+//
+// A full bundle adjustment is stopped when another loop closes, and begun anew on the map as it is then.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "slam/base/stage_timer.h"
+#include "slam/loop/loop_closer.h"
+#include "slam/mapping/full_bundle_adjustment.h"
+#include "slam/mapping/local_mapper.h"
+
+namespace penumbra::slam {
+
+// A keyframe on its way into the map.
+struct MapWork {
+  std::unique_ptr<KeyFrame> keyframe;
+  std::vector<MapPoint*> tracked;  // per feature: the point that the tracker found there, or nullptr
+  // What its pose was found against. Where that has been moved meanwhile, by a loop, the keyframe follows.
+  const KeyFrame* reference = nullptr;  // nullptr for none
+  SE3 reference_T_cw;
+};
+
+class MapWorker {
+ public:
+  MapWorker(const StereoCamera& camera, Map& map, LocalMapper& mapper, LoopCloser& loop_closer,
+            const FullBundleSettings& full_bundle, bool threaded);
+  // Drops what is still waiting.
+  ~MapWorker();
+  MapWorker(const MapWorker&) = delete;
+  MapWorker& operator=(const MapWorker&) = delete;
+
+  // Whether the worker keeps up: a keyframe more would not wait long.
+  bool accepts() const;
+  // Rethrows what an earlier keyframe's work has thrown.
+  void submit(MapWork work);
+  // Waits until every keyframe is mapped, and until the whole map is adjusted, too.
+  void drain();
+  void finish();
+
+  // The times of the worker's stages so far, which it then forgets. Only after finish().
+  StageTimer take_times() { return std::exchange(timer_, {}); }
+
+ private:
+  static constexpr std::size_t kLongestQueue = 3;
+
+  void run();
+  void process(MapWork work);
+  void collect_erased();
+  void adjust_whole_map(int submap);
+  void apply_adjustment();
+  void stop_adjustment();
+
+  const StereoCamera camera_;
+  Map& map_;
+  LocalMapper& mapper_;
+  LoopCloser& loop_closer_;
+  const FullBundleSettings full_bundle_;
+  const bool threaded_;
+  StageTimer timer_;
+
+  mutable std::mutex mutex_;         // of what follows
+  std::condition_variable changed_;  // of any of it
+  std::deque<MapWork> queue_;
+  bool working_ = false, adjusting_ = false, ending_ = false;
+  std::exception_ptr failure_;
+
+  // The adjustment under way; owned by the worker's thread.
+  std::unique_ptr<FullBundleAdjustment> adjustment_;
+  std::atomic<bool> stop_adjustment_{false};
+  bool adjusted_ = false;  // guarded by mutex_: the adjustment can be applied
+  std::thread adjuster_, thread_;
+};
+
+}  // namespace penumbra::slam
