@@ -17,6 +17,8 @@ TEST(SharedNetwork, ThreadsWithTheirOwnArenasGetTheSameBitsAsOneAlone) {
   MaskRcnnConfig config;
   config.transform.min_size = 64;
   config.transform.max_size = 96;
+  config.rpn.proposals = 60;  // the sanitizer is slow
+  config.box_head.max_detections = 6;
   const MaskRcnn network(test::random_mask_rcnn(true), config);
   constexpr int kThreads = 2, kImages = 3;  // the third image has the shape of the first
   const auto image = [](int thread, int i) {

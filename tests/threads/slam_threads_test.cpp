@@ -1,0 +1,93 @@
+// The SLAM with mapping beside the tracker. Also run under ThreadSanitizer: see CONTRIBUTING.md.
+#include <gtest/gtest.h>
+
+#include "slam/datasets/synthetic/street_sequence.h"
+#include "slam/slam.h"
+
+namespace penumbra::slam {
+namespace {
+
+// A drive of `frames` frames through the synthetic street; rendered once for all tests.
+const std::vector<StereoImages>& drive(int frames, StereoCamera& camera) {
+  static std::vector<StereoImages> images;
+  synthetic::SequenceSettings settings;
+  settings.frames = frames;
+  settings.size = {464, 140};
+  settings.path = "straight";
+  synthetic::StreetSequence street(settings);
+  camera = street.camera();
+  for (int i = static_cast<int>(images.size()); i < frames; ++i) {
+    synthetic::StreetFrame frame;
+    street.render(i, frame);
+    images.push_back({i, 0.1 * i, frame.left_grey.clone(), frame.right_grey.clone()});
+  }
+  return images;
+}
+
+constexpr int kFrames = 60;
+
+class SlamThreads : public ::testing::Test {
+ protected:
+  SlamThreads() : images(drive(kFrames, camera)) { settings.deterministic = false; }
+  StereoCamera camera;
+  const std::vector<StereoImages>& images;
+  SlamSettings settings;
+};
+
+TEST_F(SlamThreads, FollowTheStreetAsOneThreadDoes) {
+  Slam threaded(camera, settings);
+  settings.deterministic = true;
+  Slam in_line(camera, settings);
+  for (const StereoImages& pair : images) {
+    threaded.process(pair);
+    in_line.process(pair);
+    // Reading is allowed at any time.
+    ASSERT_EQ(threaded.trajectory().size(), threaded.results().size());
+  }
+  threaded.finish();
+  in_line.finish();
+  EXPECT_EQ(threaded.lost(), 0);
+  EXPECT_GT(threaded.map().keyframes().size(), 1U);
+  const Trajectory a = threaded.trajectory(), b = in_line.trajectory();
+  const double way = b.back().T_wc.translation.norm();
+  EXPECT_GT(way, 10.0);
+  EXPECT_LT((a.back().T_wc.translation - b.back().T_wc.translation).norm(), 0.01 * way);
+}
+
+TEST_F(SlamThreads, LeaveAConsistentMap) {
+  Slam slam(camera, settings);
+  for (const StereoImages& pair : images) slam.process(pair);
+  slam.finish();
+  for (const auto& point : slam.map().points()) {
+    if (point->erased) continue;
+    for (const Observation& o : point->observations) {
+      ASSERT_FALSE(o.keyframe->erased);
+      ASSERT_EQ(o.keyframe->points[static_cast<std::size_t>(o.feature)], point.get());
+    }
+  }
+}
+
+TEST_F(SlamThreads, CanBeLeftInTheMiddle) {
+  Slam slam(camera, settings);
+  for (int i = 0; i < 20; ++i) slam.process(images[static_cast<std::size_t>(i)]);
+  // The destructor ends the threads, whatever they were doing.
+}
+
+TEST_F(SlamThreads, SurviveABlackout) {
+  Slam slam(camera, settings);
+  for (const StereoImages& pair : images) {
+    StereoImages shown = pair;
+    if (pair.index >= 25 && pair.index < 30) {
+      shown.left = cv::Mat::zeros(pair.left.size(), CV_8U);
+      shown.right = shown.left;
+    }
+    slam.process(shown);
+  }
+  slam.finish();
+  EXPECT_GE(slam.lost(), 5);
+  EXPECT_LE(slam.lost(), 15);
+  EXPECT_EQ(slam.results().back().tracking.state, TrackingState::tracking);
+}
+
+}  // namespace
+}  // namespace penumbra::slam
