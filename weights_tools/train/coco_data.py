@@ -1,0 +1,127 @@
+"""COCO instances files: reading, and images with their targets as the training needs them."""
+import collections
+import json
+import pathlib
+
+import cv2
+import numpy as np
+import torch
+
+
+def decode_counts(text):
+    """Run lengths from COCO's compressed text: 5 bits a character, each run after the second less the one two before."""
+    counts, position = [], 0
+    codes = text.encode() if isinstance(text, str) else text
+    while position < len(codes):
+        value, shift, more = 0, 0, True
+        while more:
+            code = codes[position] - 48
+            value |= (code & 31) << shift
+            shift += 5
+            more = bool(code & 32)
+            position += 1
+        if code & 16:
+            value -= 1 << shift
+        if len(counts) > 2:
+            value += counts[-2]
+        counts.append(value)
+    return counts
+
+
+def decode_mask(segmentation, height, width):
+    """A segmentation (compressed or plain run lengths, or polygons) as an array of 0 and 1."""
+    if isinstance(segmentation, list):
+        mask = np.zeros((height, width), np.uint8)
+        for polygon in segmentation:
+            corners = np.round(np.reshape(polygon, (-1, 2)) - 0.5).astype(np.int32)
+            cv2.fillPoly(mask, [corners], 1)
+        return mask
+    counts = segmentation["counts"]
+    if not isinstance(counts, list):
+        counts = decode_counts(counts)
+    values = (np.arange(len(counts)) & 1).astype(np.uint8)
+    flat = np.repeat(values, counts)
+    if flat.size != height * width:
+        raise ValueError(f"a mask of {flat.size} pixels for an image of {width}x{height}")
+    return flat.reshape(width, height).T
+
+
+class CocoData:
+    """A data set: folder of images and its annotations. A sample is (image, target) as torchvision's detectors take
+    them. `classes` names the categories to learn, in the order of the network's outputs; empty: a category's id is its
+    label. Objects that show less than `least_area` pixels and crowds are no targets. `scale` resizes images."""
+
+    def __init__(self, annotations, images, classes=(), least_area=12, scale=1.0):
+        self.folder, self.scale = pathlib.Path(images), scale
+        content = json.loads(pathlib.Path(annotations).read_text())
+        ids = {c["name"]: c["id"] for c in content["categories"]}
+        missing = [name for name in classes if name not in ids]
+        if missing:
+            raise SystemExit(f"{annotations}: no category {', '.join(missing)}; it has {', '.join(ids)}")
+        label = {ids[name]: k for k, name in enumerate(classes, 1)} if classes else {i: i for i in ids.values()}
+        objects = collections.defaultdict(list)
+        for a in content["annotations"]:
+            if not a.get("iscrowd") and a["category_id"] in label and a["area"] * scale * scale >= least_area and min(a["bbox"][2:]) >= 1:
+                objects[a["image_id"]].append((label[a["category_id"]], a["bbox"], a["segmentation"]))
+        self.entries = [(i, objects[i["id"]]) for i in content["images"] if objects[i["id"]]]
+        self.instances = sum(len(o) for _, o in self.entries)
+
+    def __len__(self):
+        return len(self.entries)
+
+    def sample(self, index, flip=False, gain=1.0, offset=0.0, grey=False):
+        """Image [3, H, W] in 0..1, RGB, and its target; optionally mirrored, brightened (gain, offset) or grey."""
+        entry, objects = self.entries[index]
+        image = cv2.imread(str(self.folder / entry["file_name"]), cv2.IMREAD_COLOR)
+        if image is None:
+            raise SystemExit(f"{self.folder / entry['file_name']}: no image that can be read")
+        height, width = image.shape[:2]
+        masks = np.stack([decode_mask(s, height, width) for _, _, s in objects])
+        boxes = np.array([[x, y, x + w, y + h] for _, (x, y, w, h), _ in objects], np.float32)
+        if self.scale != 1.0:
+            size = round(width * self.scale), round(height * self.scale)
+            image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+            masks = np.stack([cv2.resize(m, size, interpolation=cv2.INTER_AREA) for m in masks])
+            boxes *= np.tile([size[0] / width, size[1] / height], 2).astype(np.float32)
+            width, height = size
+        if flip:
+            image, masks = image[:, ::-1], masks[:, :, ::-1]
+            boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
+        pixels = image[:, :, ::-1].astype(np.float32) * (gain / 255.0) + offset
+        if grey:
+            pixels = np.repeat(pixels.mean(2, keepdims=True), 3, 2)
+        pixels = np.clip(pixels, 0.0, 1.0)
+        target = {"boxes": torch.from_numpy(boxes), "labels": torch.tensor([label for label, _, _ in objects]),
+                  "masks": torch.from_numpy(np.ascontiguousarray(masks))}
+        return torch.from_numpy(np.ascontiguousarray(pixels.transpose(2, 0, 1))), target
+
+
+class Batches:
+    """Endless batches in an order that depends on the seed alone; batch k is the same after any resume."""
+
+    def __init__(self, data, size, seed):
+        self.data, self.size, self.seed = data, size, seed
+
+    def index(self, position):
+        epoch, place = divmod(position, len(self.data))
+        order = np.random.default_rng([self.seed, epoch]).permutation(len(self.data))
+        return int(order[place])
+
+    def __getitem__(self, k):
+        random = np.random.default_rng([self.seed, 1 << 20, k])
+        batch = []
+        for position in range(k * self.size, (k + 1) * self.size):
+            batch.append(self.data.sample(self.index(position), flip=random.random() < 0.5,
+                                          gain=random.uniform(0.8, 1.25), offset=random.uniform(-0.05, 0.05),
+                                          grey=random.random() < 0.15))
+        return [image for image, _ in batch], [target for _, target in batch]
+
+
+def class_map(targets, height, width):
+    """Class of every pixel [N, H, W], 0 where nothing is; H and W those of the padded batch."""
+    classes = torch.zeros(len(targets), height, width, dtype=torch.uint8)
+    for n, target in enumerate(targets):
+        for label, mask in zip(target["labels"], target["masks"]):
+            h, w = mask.shape
+            classes[n, :h, :w][mask.bool()] = int(label)
+    return classes

@@ -1,0 +1,191 @@
+#!/usr/bin/python3
+"""Trains Mask R-CNN, baseline or with mixed attention, on a COCO-format data set and writes weights for Penumbra.
+
+  train.py --annotations street/instances.json --images street --val-annotations val/instances.json --val-images val \\
+           --attention --seed 1 --out out/attention_1
+
+Run again with the same --out, it goes on from the last checkpoint: order of the images, changes to them and samples
+drawn depend on the seed and the step alone. Writes to --out:
+  checkpoint.pt            everything needed to go on
+  log.jsonl                losses and speed
+  weights.safetensors      the network, for `penumbra segment`, `slam` and this script's --init
+  ap.json                  COCO numbers on the validation set, by `penumbra eval-coco` (with --val-annotations)
+
+Needs Debian's python3-torch, python3-torchvision, python3-opencv. Uses a GPU where PyTorch has one.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import sys
+import time
+
+import torch
+
+import evaluate
+from coco_data import Batches, CocoData, class_map
+from config import CONFIGS
+from export import export
+from initial_weights import load_initial
+from model import SemanticHead, build
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--config", choices=CONFIGS, default="tiny")
+    parser.add_argument("--attention", action="store_true", help="mixed attention in the pyramid; else the baseline")
+    parser.add_argument("--annotations", required=True, help="training set, COCO instances JSON")
+    parser.add_argument("--images", required=True, help="folder that its file names refer to")
+    parser.add_argument("--val-annotations", help="validation set")
+    parser.add_argument("--val-images")
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    parser.add_argument("--steps", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--batch", type=int, help="images a step")
+    parser.add_argument("--learning-rate", type=float)
+    parser.add_argument("--scale", type=float, default=1.0,
+                        help="train on images of this scale; half the size costs a quarter, for the first steps")
+    parser.add_argument("--gate-rate", type=float, default=1.0, help="learning rate of the attention, times the others'")
+    parser.add_argument("--weight-decay", type=float, default=0.01)
+    parser.add_argument("--init", help="weights to start from: torchvision's .pth or a checkpoint.pt of this script")
+    parser.add_argument("--checkpoint-every", type=int, default=100, help="steps")
+    parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
+    parser.add_argument("--penumbra", default=str(HERE.parents[1] / "build" / "penumbra"), help="for the validation")
+    return parser.parse_args()
+
+
+def learning_rate(step, steps, peak):
+    """Rises for the first twentieth, then falls along a cosine to a hundredth."""
+    warm_up = max(1, steps // 20)
+    if step < warm_up:
+        return peak * (step + 1) / warm_up
+    return peak * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * (step - warm_up) / max(1, steps - warm_up))))
+
+
+def parameter_groups(model, semantic, gate_rate, weight_decay):
+    """Norms and biases do not decay; the attention has its own learning rate."""
+    groups = {}
+    for name, parameter in list(model.named_parameters()) + list(semantic.named_parameters()):
+        if parameter.requires_grad:
+            key = (gate_rate if ".attention." in name else 1.0, weight_decay if parameter.dim() > 1 else 0.0)
+            groups.setdefault(key, []).append(parameter)
+    return [dict(params=p, rate=rate, weight_decay=decay) for (rate, decay), p in groups.items()]
+
+
+class Training:
+    def __init__(self, options):
+        self.options, self.config = options, CONFIGS[options.config]
+        self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+        self.peak = options.learning_rate or self.config.learning_rate
+        data = CocoData(options.annotations, options.images, self.config.classes, scale=options.scale)
+        print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
+        self.batches = Batches(data, options.batch or self.config.batch, options.seed)
+        torch.manual_seed(options.seed)
+        self.model = build(self.config, options.attention)
+        if options.init:
+            load_initial(self.model, options.init)
+        if options.scale != 1.0:
+            self.model.transform.min_size = (round(self.config.min_size * options.scale),)
+            self.model.transform.max_size = round(self.config.max_size * options.scale)
+        torch.manual_seed(options.seed)  # the same for either kind of network
+        self.semantic = SemanticHead(self.model.backbone.fpn, self.config.pyramid_channels, self.config.outputs)
+        self.model.to(self.device, memory_format=torch.channels_last).train()
+        self.semantic.to(self.device)
+        self.optimizer = torch.optim.AdamW(
+            parameter_groups(self.model, self.semantic, options.gate_rate, options.weight_decay), lr=self.peak)
+        self.step, self.seconds = 0, 0.0
+        self.checkpoint = options.out / "checkpoint.pt"
+        if self.checkpoint.exists():
+            self.resume()
+
+    def resume(self):
+        saved = torch.load(self.checkpoint, map_location="cpu")
+        self.model.load_state_dict(saved["model"])
+        self.semantic.load_state_dict(saved["semantic"])
+        self.optimizer.load_state_dict(saved["optimizer"])
+        self.step, self.seconds = saved["step"], saved["seconds"]
+        print(f"going on from step {self.step}", file=sys.stderr)
+
+    def save(self):
+        part = self.checkpoint.with_suffix(".part")
+        torch.save(dict(model=self.model.state_dict(), semantic=self.semantic.state_dict(), step=self.step,
+                        optimizer=self.optimizer.state_dict(), seconds=self.seconds,
+                        attention=self.options.attention, config=self.config.name), part)
+        os.replace(part, self.checkpoint)
+
+    def losses(self, images, targets):
+        losses = self.model([image.to(self.device) for image in images],
+                            [{k: v.to(self.device) for k, v in target.items()} for target in targets])
+        if self.config.semantic_weight > 0:
+            height, width = (max(image.shape[k] for image in images) + 31 & ~31 for k in (1, 2))
+            classes = class_map(targets, height, width).to(self.device)
+            losses["loss_semantic"] = self.config.semantic_weight * self.semantic.loss(classes)
+        return losses
+
+    def one_step(self):
+        torch.manual_seed(self.options.seed * 1000003 + self.step)  # which anchors and proposals are sampled
+        rate = learning_rate(self.step, self.options.steps, self.peak)
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate * group["rate"]
+        losses = self.losses(*self.batches[self.step])
+        total = sum(losses.values())
+        self.optimizer.zero_grad(set_to_none=True)
+        if torch.isfinite(total):
+            total.backward()
+            torch.nn.utils.clip_grad_norm_(self.model.parameters(), 5.0)
+            self.optimizer.step()
+        self.step += 1
+        return {name: float(value) for name, value in losses.items()}
+
+    def run(self):
+        sums, counted = {}, 0
+        while self.step < self.options.steps:
+            start = time.monotonic()
+            losses = self.one_step()
+            self.seconds += time.monotonic() - start
+            for name, value in losses.items():
+                sums[name] = sums.get(name, 0.0) + value
+            counted += 1
+            if self.step % 20 == 0 or self.step == self.options.steps:
+                self.report({name: value / counted for name, value in sums.items()})
+                sums, counted = {}, 0
+            if self.step % self.options.checkpoint_every == 0 or self.step == self.options.steps:
+                self.save()
+
+    def report(self, losses):
+        line = dict(step=self.step, seconds=round(self.seconds, 1), **{n: round(v, 4) for n, v in losses.items()})
+        with open(self.options.out / "log.jsonl", "a") as file:
+            file.write(json.dumps(line) + "\n")
+        left = self.seconds / self.step * (self.options.steps - self.step)
+        print(f"{self.step}/{self.options.steps}, {left / 60:.1f} min left, "
+              + ", ".join(f"{n.removeprefix('loss_')} {v:.3f}" for n, v in losses.items()), file=sys.stderr, flush=True)
+
+    def finish(self):
+        """Writes the weights; validates them, and writes them again with their AP."""
+        options = self.options
+        weights = options.out / "weights.safetensors"
+        facts = dict(training_data=options.data_name or options.annotations, seed=options.seed, steps=options.steps,
+                     images_per_step=self.batches.size)
+        export(weights, self.model, self.config, options.attention, **facts)
+        if not options.val_annotations:
+            return
+        numbers = evaluate.evaluate(options.penumbra, weights, options.val_annotations, options.val_images, options.out)
+        (options.out / "ap.json").write_text(json.dumps(numbers, indent=1) + "\n")
+        facts.update(box_AP=round(numbers["bbox"]["AP"], 4), mask_AP=round(numbers["segm"]["AP"], 4))
+        export(weights, self.model, self.config, options.attention, **facts)
+        print(evaluate.summary(numbers))
+
+
+def main():
+    options = arguments()
+    options.out.mkdir(parents=True, exist_ok=True)
+    training = Training(options)
+    training.run()
+    training.finish()
+
+
+if __name__ == "__main__":
+    main()
