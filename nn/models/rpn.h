@@ -36,7 +36,9 @@ struct ImageExtent {
 class RegionProposalNetwork {
  public:
   RegionProposalNetwork() = default;
-  RegionProposalNetwork(WeightReader& weights, const std::string& prefix, const RpnConfig& config);
+  // `channels` are those of the pyramid.
+  RegionProposalNetwork(WeightReader& weights, const std::string& prefix, int channels,
+                        const RpnConfig& config);
 
   // Proposals in pixels of the network's input, best first.
   std::vector<Box> operator()(std::span<const FeatureMap> pyramid, const ImageExtent& image,

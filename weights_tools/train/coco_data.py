@@ -11,7 +11,7 @@ import torch
 def decode_counts(text):
     """Run lengths from COCO's compressed text: 5 bits a character, each run after the second less the one two before."""
     counts, position = [], 0
-    codes = text.encode() if isinstance(text, str) else text
+    codes = text.encode()
     while position < len(codes):
         value, shift, more = 0, 0, True
         while more:
@@ -37,8 +37,8 @@ def decode_mask(segmentation, height, width):
             cv2.fillPoly(mask, [corners], 1)
         return mask
     counts = segmentation["counts"]
-    if not isinstance(counts, list):
-        counts = decode_counts(counts)
+    if isinstance(counts, str):
+        counts = segmentation["counts"] = np.array(decode_counts(counts))  # kept: decoding takes longest
     values = (np.arange(len(counts)) & 1).astype(np.uint8)
     flat = np.repeat(values, counts)
     if flat.size != height * width:

@@ -1,8 +1,16 @@
-"""AP of a weights file on a COCO-format data set: Penumbra's own engine and evaluation, as the weights will be used."""
+#!/usr/bin/python3
+"""AP of a weights file on a COCO-format data set: Penumbra's own engine and evaluation, as the weights will be used.
+
+  evaluate.py out/attention_1/weights.safetensors --annotations val/instances.json --images val --out out/attention_1
+
+Writes results.json and ap.json to --out. train.py does the same at its end where it is given a validation set.
+"""
+import argparse
 import json
 import pathlib
 import subprocess
 
+PENUMBRA = str(pathlib.Path(__file__).resolve().parents[2] / "build" / "penumbra")
 OCCLUSION = "0,0.3,0.6,0.9"  # bounds of the ranges of hidden share
 NAMES = ("AP", "AP50", "AP75", "APs", "APm", "APl")
 
@@ -12,13 +20,15 @@ def has_occlusion(annotations):
 
 
 def evaluate(penumbra, weights, annotations, images, out):
-    """`penumbra eval-coco --json` of what `penumbra segment` finds; leaves results.json in `out`."""
+    """`penumbra eval-coco --json` of what `penumbra segment` finds; writes results.json and ap.json to `out`."""
     subprocess.run([penumbra, "segment", "--coco-images", str(images), "--annotations", str(annotations),
                     "--weights", str(weights), "--out", str(out)], check=True)
     command = [penumbra, "eval-coco", "--annotations", str(annotations), "--results", str(out) + "/results.json", "--json"]
     if has_occlusion(annotations):
         command += ["--occlusion", OCCLUSION]
-    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+    numbers = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+    (pathlib.Path(out) / "ap.json").write_text(json.dumps(numbers, indent=1) + "\n")
+    return numbers
 
 
 def percent(value):
@@ -28,3 +38,18 @@ def percent(value):
 def summary(numbers):
     return "\n".join(f"{kind}: " + "  ".join(f"{n} {percent(numbers[kind][n])}" for n in NAMES)
                      for kind in ("bbox", "segm"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("weights")
+    parser.add_argument("--annotations", required=True)
+    parser.add_argument("--images", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--penumbra", default=PENUMBRA)
+    options = parser.parse_args()
+    print(summary(evaluate(options.penumbra, options.weights, options.annotations, options.images, options.out)))
+
+
+if __name__ == "__main__":
+    main()

@@ -30,8 +30,6 @@ from export import export
 from initial_weights import load_initial
 from model import SemanticHead, build
 
-HERE = pathlib.Path(__file__).resolve().parent
-
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -53,7 +51,7 @@ def arguments():
     parser.add_argument("--init", help="weights to start from: torchvision's .pth or a checkpoint.pt of this script")
     parser.add_argument("--checkpoint-every", type=int, default=100, help="steps")
     parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
-    parser.add_argument("--penumbra", default=str(HERE.parents[1] / "build" / "penumbra"), help="for the validation")
+    parser.add_argument("--penumbra", default=evaluate.PENUMBRA, help="for the validation")
     return parser.parse_args()
 
 
@@ -173,7 +171,6 @@ class Training:
         if not options.val_annotations:
             return
         numbers = evaluate.evaluate(options.penumbra, weights, options.val_annotations, options.val_images, options.out)
-        (options.out / "ap.json").write_text(json.dumps(numbers, indent=1) + "\n")
         facts.update(box_AP=round(numbers["bbox"]["AP"], 4), mask_AP=round(numbers["segm"]["AP"], 4))
         export(weights, self.model, self.config, options.attention, **facts)
         print(evaluate.summary(numbers))
