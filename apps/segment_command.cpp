@@ -160,14 +160,14 @@ class SegmentRun {
   void print_summary() const {
     fmt::print("{} images, {} instances, {:.3f} s an image, {:.0f} MB of activations\n", segmented_,
                results_.size() + left_out_, segmented_ > 0 ? seconds_ / segmented_ : 0.0,
-               static_cast<double>(loaded_.network->arena().bytes()) * 1e-6);
+               static_cast<double>(loaded_.network->arena().peak_bytes()) * 1e-6);
   }
 
   void print_json(const std::filesystem::path& results) const {
     const nlohmann::ordered_json json = {{"network", loaded_.network->name()},
                                          {"isa", nn::to_string(nn::current_isa())},
                                          {"threads", omp_get_max_threads()},
-                                         {"peak_arena_bytes", loaded_.network->arena().bytes()},
+                                         {"peak_arena_bytes", loaded_.network->arena().peak_bytes()},
                                          {"seconds", seconds_},
                                          {"instances", results_.size() + left_out_},
                                          {"results", results.string()},

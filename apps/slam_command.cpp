@@ -11,6 +11,8 @@
 
 #include "apps/commands.h"
 #include "apps/compute_options.h"
+#include "apps/frames_report.h"
+#include "apps/keyframe_gallery.h"
 #include "apps/progress_bar.h"
 #include "apps/segmenter.h"
 #include "apps/slam_report.h"
@@ -34,11 +36,12 @@ constexpr const char* kExamples = R"(Examples:
   penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
 
 Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), map.ply (points and
-keyframes), trajectory.png (seen from above), run.json (settings, counts, times, errors against the ground truth).)";
+keyframes), trajectory.png (seen from above), run.json (settings, counts, times, errors against the ground truth),
+frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
 
 struct SlamOptions {
   std::string dataset, out, sequence, frames, weights, classes;
-  std::string format = "auto", filter = "adaptive";
+  std::string format = "auto", filter = "adaptive", loops = "on";
   bool no_segmentation = false, deterministic = false;
   int features = 0, threads = omp_get_max_threads(), segment_every = 1;
 };
@@ -67,6 +70,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   slam::SlamSettings settings;
   settings.orb.features = options.features;
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
+  settings.loops.enabled = options.loops == "on";
   settings.semantics.interval = options.segment_every;
   settings.threads = options.deterministic ? 1 : options.threads;
   return settings;
@@ -84,6 +88,11 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
       const slam::FrameResult result = slam.process(frames.next());
       if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
       progress.update(static_cast<int>(slam.results().size()));
+      if (result.closed_loop) {
+        const slam::ClosedLoop& loop = slam.loops().back();
+        spdlog::info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame,
+                     loop.earlier_frame, loop.inliers, loop.correction_metres);
+      }
       if (result.tracking.recovered) spdlog::info("frame {}: found again", result.index);
     } catch (const Error& error) {
       return error.what();
@@ -119,11 +128,14 @@ void write_results(const std::filesystem::path& out, const slam::StereoDataset& 
   if (!estimate.empty()) {
     slam::write_kitti_poses(out / "trajectory_kitti.txt", estimate);
     slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
+    if (!truth.empty()) slam::write_kitti_poses(out / "ground_truth_kitti.txt", truth);
     slam::TrajectoryPlotOptions plot;
     plot.title = dataset.name();
     nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
   }
   slam::write_ply(out / "map.ply", slam.map());
+  write_keyframe_gallery(out / "gallery", dataset, slam);
+  nn::write_file(out / "frames.json", frames_report(slam).dump() + "\n");
   nn::write_file(out / "run.json", slam_report(run, slam).dump(2) + "\n");
 }
 
@@ -168,7 +180,7 @@ void run_slam(const SlamOptions& options) {
   cv::setNumThreads(1);  // the frames' two images are the parallel work
   slam::Slam slam(dataset->camera(), run.settings, segmenter);
   run.error = process_frames(*dataset, slam);
-  if (loaded) run.peak_arena_bytes = loaded->network->arena().bytes();
+  if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(out, *dataset, slam, run);
   print_summary(slam_report(run, slam), out);
   if (!run.error.empty()) throw Error(run.error);
@@ -199,6 +211,9 @@ void add_slam_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--filter", options->filter, "histogram mismatch filter")
       ->check(CLI::IsMember({"off", "paper", "adaptive"}))
+      ->capture_default_str();
+  command->add_option("--loops", options->loops, "close loops when a place is seen again")
+      ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   command->add_option("--features", options->features, "features per image; 0 chooses by the image's size")
       ->check(CLI::Range(0, 20000))

@@ -68,6 +68,8 @@ void add_synth_command(CLI::App& app) {
       ->type_name("N");
   command->add_flag("--colour", sequence.colour, "Write colour images as well (image_2, image_3)");
   command->add_flag("--depth", sequence.depth, "Write depth of the left image (16-bit PNG, 256 = 1 m)");
+  command->add_flag("--annotations", sequence.annotations,
+                    "Write annotations/instances.json: COCO instances with amodal masks and occlusion");
   command->add_flag("--overwrite", options->overwrite, "Replace the sequence in a folder that is not empty");
   command->footer(
       "Examples:\n"

@@ -74,6 +74,7 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
       right_orb_(settings.orb),
       map_(level_scales(settings.orb.pyramid)),
       mapper_(camera_, map_, settings.mapper),
+      loop_closer_(camera_, map_, settings.loops),
       tracker_(camera_, map_, tracker_settings(settings, camera_), timer_) {}
 
 FrameResult Slam::process(const StereoImages& images) {
@@ -91,7 +92,7 @@ FrameResult Slam::process(const StereoImages& images) {
   frame.features = features;
   result.tracking = tracker_.track(frame);
   result.keyframe = result.tracking.wants_keyframe;
-  if (result.keyframe) insert_keyframe(frame);
+  if (result.keyframe) result.closed_loop = insert_keyframe(frame, result.tracking.starts_submap);
 
   result.features = features->size();
   for (int i = 0; i < features->size(); ++i) {
@@ -133,13 +134,24 @@ void Slam::mark_movable(const StereoImages& images, FrameFeatures& features) {
                         settings_.semantics.margin, features.movable);
 }
 
-void Slam::insert_keyframe(Frame& frame) {
-  const auto scope = timer_.measure("mapping");
+// Returns whether the keyframe has closed a loop.
+bool Slam::insert_keyframe(Frame& frame, bool starts_submap) {
   KeyFrame* keyframe = map_.add_keyframe(frame.index, frame.timestamp, frame.T_cw, frame.features);
-  mapper_.process(keyframe, frame.points);
+  if (starts_submap) {
+    keyframe->submap = map_.begin_submap();
+  } else if (frame.reference != nullptr) {
+    keyframe->submap = frame.reference->submap;
+  }
+  {
+    const auto scope = timer_.measure("mapping");
+    mapper_.process(keyframe, frame.points);
+  }
+  const auto scope = timer_.measure("loops");
+  const bool closed = loop_closer_.process(keyframe).has_value();
   tracker_.set_keyframe(keyframe);
   frame.reference = keyframe;
   frame.T_c_reference = SE3{};
+  return closed;
 }
 
 Trajectory Slam::trajectory() const {

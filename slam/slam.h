@@ -16,6 +16,7 @@
 #include "slam/datasets/stereo_dataset.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/features/stereo_matcher.h"
+#include "slam/loop/loop_closer.h"
 #include "slam/mapping/local_mapper.h"
 #include "slam/semantics/instance.h"
 #include "slam/tracking/tracker.h"
@@ -33,6 +34,7 @@ struct SlamSettings {
   OrbSettings orb;
   TrackerSettings tracker;
   LocalMapperSettings mapper;
+  LoopCloserSettings loops;
   SemanticsSettings semantics;
   int threads = 2;  // 1: the right image's features wait for the left's
 };
@@ -41,6 +43,7 @@ struct FrameResult {
   int index = 0;
   TrackingReport tracking;
   bool keyframe = false;
+  bool closed_loop = false;
   int features = 0, stereo_features = 0, movable_features = 0;
 };
 
@@ -60,6 +63,9 @@ class Slam {
   Trajectory keyframe_trajectory() const;
 
   const Map& map() const { return map_; }
+  // Loops that were closed, in the order in which they were.
+  const std::vector<ClosedLoop>& loops() const { return loop_closer_.loops(); }
+  const LoopCloser& loop_closer() const { return loop_closer_; }
   const StageTimer& timer() const { return timer_; }
   const std::vector<FrameResult>& results() const { return results_; }
   const StereoCamera& camera() const { return camera_; }
@@ -75,7 +81,7 @@ class Slam {
 
   std::shared_ptr<FrameFeatures> measure(const StereoImages& images);
   void mark_movable(const StereoImages& images, FrameFeatures& features);
-  void insert_keyframe(Frame& frame);
+  bool insert_keyframe(Frame& frame, bool starts_submap);
   int count(TrackingState state) const;
 
   const StereoCamera camera_;
@@ -85,6 +91,7 @@ class Slam {
   OrbExtractor left_orb_, right_orb_;
   Map map_;
   LocalMapper mapper_;
+  LoopCloser loop_closer_;
   Tracker tracker_;
   std::vector<TrajectoryEntry> entries_;
   std::vector<FrameResult> results_;

@@ -24,12 +24,12 @@ FeatureMap transform_image(const cv::Mat& image, const CropTransform& transform,
     return static_cast<int>(std::nearbyint((extent - transform.crop) / 2.0));
   };
   const cv::Rect window(margin(size.width), margin(size.height), transform.crop, transform.crop);
-  const cv::Mat cropped = antialiased_resize(image, size, window);
+  const ArenaVector<std::uint8_t> cropped = antialiased_resize(image, size, window, arena);
 
   FeatureMap map(arena, 1, 3, transform.crop, transform.crop, border, kImageBlock);
-  const int channels = cropped.channels();
+  const int channels = image.channels();
+  const std::uint8_t* in = cropped.data();
   for (int y = 0; y < transform.crop; ++y) {
-    const std::uint8_t* in = cropped.ptr(y);
     float* out = map.pixel(0, 0, y, 0);
     for (int x = 0; x < transform.crop; ++x, in += channels, out += kImageBlock) {
       for (std::size_t c = 0; c < 3; ++c) {

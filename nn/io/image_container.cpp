@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "nn/base/error.h"
+#include "nn/io/crc32.h"
 
 namespace penumbra::nn {
 
@@ -23,39 +24,6 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t offset, int size) {
   std::uint32_t value = 0;
   for (int i = 0; i < size; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes[offset + i]);
   return value;
-}
-
-// CRC-32 (polynomial 0xEDB88320) eight bytes a step: table[k][b] is the CRC of byte b followed by k zeros.
-using CrcTables = std::array<std::array<std::uint32_t, 256>, 8>;
-constexpr CrcTables make_crc_tables() {
-  CrcTables tables{};
-  for (std::uint32_t byte = 0; byte < 256; ++byte) {
-    std::uint32_t crc = byte;
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
-    tables[0][byte] = crc;
-  }
-  for (std::size_t k = 1; k < tables.size(); ++k) {
-    for (std::size_t byte = 0; byte < 256; ++byte) {
-      const std::uint32_t previous = tables[k - 1][byte];
-      tables[k][byte] = previous >> 8 ^ tables[0][previous & 0xFFU];
-    }
-  }
-  return tables;
-}
-
-std::uint32_t crc32(std::string_view bytes) {
-  static constexpr CrcTables kTables = make_crc_tables();
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(bytes[i]); };
-  std::uint32_t crc = 0xFFFFFFFFU;
-  std::size_t i = 0;
-  for (; i + 8 <= bytes.size(); i += 8) {
-    std::uint32_t next = 0;
-    for (std::size_t k = 0; k < 4; ++k) next ^= kTables[7 - k][(crc >> (8 * k) & 0xFFU) ^ byte(i + k)];
-    for (std::size_t k = 4; k < 8; ++k) next ^= kTables[7 - k][byte(i + k)];
-    crc = next;
-  }
-  for (; i < bytes.size(); ++i) crc = crc >> 8 ^ kTables[0][(crc & 0xFFU) ^ byte(i)];
-  return ~crc;
 }
 
 ImageSize checked_size(std::uint64_t width, std::uint64_t height, std::string_view place) {

@@ -4,16 +4,16 @@
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "nn/base/linear_sample.h"
 
 namespace penumbra::nn {
 
-TransformedImage transform_image(const cv::Mat& image, const ImageTransform& transform, Arena& arena,
-                                 int border) {
+ImageExtent transformed_extent(const cv::Mat& image, const ImageTransform& transform) {
   if (image.empty() || image.depth() != CV_8U || (image.channels() != 1 && image.channels() != 3)) {
     throw InputError("image", "8-bit grey or BGR pixels",
                      fmt::format("{} x {} pixels of {} channels", image.cols, image.rows, image.channels()));
   }
-  const int height = image.rows, width = image.cols, channels = image.channels();
+  const int height = image.rows, width = image.cols;
   // PyTorch divides a number by a tensor as number * (1 / tensor), in f32: the last bit decides the floor
   // below.
   const auto ratio = [](int size, int extent) {
@@ -21,14 +21,22 @@ TransformedImage transform_image(const cv::Mat& image, const ImageTransform& tra
   };
   const double scale = std::min(ratio(transform.min_size, std::min(height, width)),
                                 ratio(transform.max_size, std::max(height, width)));
-  TransformedImage result;
+  ImageExtent result;
   // An extremely long image would lose its shorter side altogether.
   result.height = std::max(static_cast<int>(std::floor(height * scale)), 1);
   result.width = std::max(static_cast<int>(std::floor(width * scale)), 1);
   const auto padded = [&](int extent) {
     return (extent + transform.divisor - 1) / transform.divisor * transform.divisor;
   };
-  result.map = FeatureMap(arena, 1, 3, padded(result.height), padded(result.width), border, kImageBlock);
+  result.padded_height = padded(result.height);
+  result.padded_width = padded(result.width);
+  return result;
+}
+
+FeatureMap transform_image(const cv::Mat& image, const ImageTransform& transform, Arena& arena, int border) {
+  const ImageExtent result = transformed_extent(image, transform);
+  const int height = image.rows, width = image.cols, channels = image.channels();
+  FeatureMap map(arena, 1, 3, result.padded_height, result.padded_width, border, kImageBlock);
 
   // Red, green, blue of every byte value, normalised.
   std::array<std::array<float, 256>, 3> normalised;
@@ -41,7 +49,6 @@ TransformedImage transform_image(const cv::Mat& image, const ImageTransform& tra
 
   const float scale_y = static_cast<float>(height) / static_cast<float>(result.height);
   const float scale_x = static_cast<float>(width) / static_cast<float>(result.width);
-  FeatureMap& map = result.map;
 #pragma omp parallel for
   for (int y = 0; y < map.height(); ++y) {
     float* out = map.pixel(0, 0, y, 0);
@@ -49,29 +56,25 @@ TransformedImage transform_image(const cv::Mat& image, const ImageTransform& tra
       std::fill_n(out, static_cast<std::ptrdiff_t>(map.width()) * kImageBlock, 0.0F);
       continue;
     }
-    const float source_y = std::max((static_cast<float>(y) + 0.5F) * scale_y - 0.5F, 0.0F);
-    const int y0 = std::min(static_cast<int>(source_y), height - 1), y1 = std::min(y0 + 1, height - 1);
-    const float fy = source_y - static_cast<float>(y0);
-    const std::uint8_t* upper = image.ptr(y0);
-    const std::uint8_t* lower = image.ptr(y1);
+    const LinearSample row = linear_sample(half_pixel(y, scale_y), height);
+    const std::uint8_t* upper = image.ptr(row.low);
+    const std::uint8_t* lower = image.ptr(row.high);
     for (int x = 0; x < result.width; ++x, out += kImageBlock) {
-      const float source_x = std::max((static_cast<float>(x) + 0.5F) * scale_x - 0.5F, 0.0F);
-      const int x0 = std::min(static_cast<int>(source_x), width - 1), x1 = std::min(x0 + 1, width - 1);
-      const float fx = source_x - static_cast<float>(x0);
+      const LinearSample column = linear_sample(half_pixel(x, scale_x), width);
+      const int left = column.low * channels, right = column.high * channels;
+      const float fx = column.fraction, fy = row.fraction;
       for (int c = 0; c < 3; ++c) {
         const int byte = channels == 3 ? 2 - c : 0;  // BGR to RGB
         const auto& value = normalised[static_cast<std::size_t>(c)];
-        const float top =
-            (1.0F - fx) * value[upper[x0 * channels + byte]] + fx * value[upper[x1 * channels + byte]];
-        const float bottom =
-            (1.0F - fx) * value[lower[x0 * channels + byte]] + fx * value[lower[x1 * channels + byte]];
+        const float top = (1.0F - fx) * value[upper[left + byte]] + fx * value[upper[right + byte]];
+        const float bottom = (1.0F - fx) * value[lower[left + byte]] + fx * value[lower[right + byte]];
         out[c] = (1.0F - fy) * top + fy * bottom;
       }
       out[3] = 0.0F;
     }
     std::fill_n(out, static_cast<std::ptrdiff_t>(map.width() - result.width) * kImageBlock, 0.0F);
   }
-  return result;
+  return map;
 }
 
 }  // namespace penumbra::nn

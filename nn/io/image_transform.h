@@ -25,13 +25,16 @@ struct ImageTransform {
   std::array<float, 3> standard_deviation{0.229F, 0.224F, 0.225F};
 };
 
-struct TransformedImage {
-  FeatureMap map;             // [1, 3, H_padded, W_padded], blocks of 4
-  int height = 0, width = 0;  // H', W': the part of the map that shows the image, pixels
+// The image inside its padded feature map, pixels of the network's input.
+struct ImageExtent {
+  int height = 0, width = 0;                // H', W'
+  int padded_height = 0, padded_width = 0;  // the map's
 };
 
-// `image` is 8-bit grey or BGR, not empty. `border` is the map's zero border.
-TransformedImage transform_image(const cv::Mat& image, const ImageTransform& transform, Arena& arena,
-                                 int border);
+// Both throw InputError unless `image` is 8-bit grey or BGR and not empty.
+ImageExtent transformed_extent(const cv::Mat& image, const ImageTransform& transform);
+
+// The map [1, 3, H_padded, W_padded] in blocks of 4; `border` is its zero border.
+FeatureMap transform_image(const cv::Mat& image, const ImageTransform& transform, Arena& arena, int border);
 
 }  // namespace penumbra::nn

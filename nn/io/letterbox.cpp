@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <opencv2/imgproc.hpp>
 
 #include "nn/base/error.h"
+#include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
@@ -14,9 +14,26 @@ namespace {
 // Pixels of the frame before the image, of `frame` in all; the tenth decides where halves go.
 int leading(int frame) { return static_cast<int>(std::lround(frame / 2.0 - 0.1)); }
 
+// Where a resized row or column reads: two neighbours and their weights, multiples of 1 / kOne.
+struct Tap {
+  int low, high;
+  int low_weight, high_weight;
+};
+
+constexpr float kOne = 2048.0F;
+
+Tap tap(int i, double scale, int extent) {
+  const auto position = static_cast<float>((i + 0.5) * scale - 0.5);
+  const int low = static_cast<int>(std::floor(position));
+  const float fraction = position - static_cast<float>(low);
+  const auto weight = [](float share) { return static_cast<int>(std::lrint(share * kOne)); };
+  const auto inside = [extent](int pixel) { return std::clamp(pixel, 0, extent - 1); };
+  return {inside(low), inside(low + 1), weight(1.0F - fraction), weight(fraction)};
+}
+
 }  // namespace
 
-LetterboxedImage letterbox_image(const cv::Mat& image, const Letterbox& letterbox, Arena& arena, int border) {
+LetterboxFrame letterbox_frame(const cv::Mat& image, const Letterbox& letterbox) {
   if (image.empty() || image.depth() != CV_8U || (image.channels() != 1 && image.channels() != 3)) {
     throw InputError("image", "8-bit grey or BGR pixels",
                      fmt::format("{} x {} pixels of {} channels", image.cols, image.rows, image.channels()));
@@ -29,20 +46,27 @@ LetterboxedImage letterbox_image(const cv::Mat& image, const Letterbox& letterbo
   const auto padded = [&](int extent) {
     return (extent + letterbox.stride - 1) / letterbox.stride * letterbox.stride;
   };
-  LetterboxedImage result;
-  result.scale = static_cast<float>(scale);
-  result.width = resized_extent(image.cols);
-  result.height = resized_extent(image.rows);
-  const int map_width = padded(result.width), map_height = padded(result.height);
-  result.left = leading(map_width - result.width);
-  result.top = leading(map_height - result.height);
-  result.map = FeatureMap(arena, 1, 3, map_height, map_width, border, kImageBlock);
+  LetterboxFrame frame;
+  frame.scale = static_cast<float>(scale);
+  frame.width = resized_extent(image.cols);
+  frame.height = resized_extent(image.rows);
+  frame.map_width = padded(frame.width);
+  frame.map_height = padded(frame.height);
+  frame.left = leading(frame.map_width - frame.width);
+  frame.top = leading(frame.map_height - frame.height);
+  return frame;
+}
 
-  cv::Mat resized = image;
-  if (image.size() != cv::Size(result.width, result.height)) {
-    cv::resize(image, resized, {result.width, result.height}, 0, 0, cv::INTER_LINEAR);
-  }
-  const int channels = resized.channels();
+FeatureMap letterbox_image(const cv::Mat& image, const Letterbox& letterbox, Arena& arena, int border) {
+  const LetterboxFrame frame = letterbox_frame(image, letterbox);
+  FeatureMap map(arena, 1, 3, frame.map_height, frame.map_width, border, kImageBlock);
+  const int channels = image.channels();
+  // Extents as OpenCV computes them: the inverse of a quotient.
+  const double scale_x = 1.0 / (static_cast<double>(frame.width) / image.cols);
+  const double scale_y = 1.0 / (static_cast<double>(frame.height) / image.rows);
+  ArenaVector<Tap> columns(arena, static_cast<std::size_t>(frame.map_width));
+  for (int x = 0; x < frame.width; ++x) columns.push_back(tap(x, scale_x, image.cols));
+
   const float grey = static_cast<float>(letterbox.fill) / 255.0F;
   const auto fill = [grey](float* out, int pixels) {
     for (int x = 0; x < pixels; ++x, out += kImageBlock) {
@@ -51,23 +75,32 @@ LetterboxedImage letterbox_image(const cv::Mat& image, const Letterbox& letterbo
     }
   };
 #pragma omp parallel for
-  for (int y = 0; y < map_height; ++y) {
-    float* out = result.map.pixel(0, 0, y, 0);
-    const int row = y - result.top;
-    if (row < 0 || row >= result.height) {
-      fill(out, map_width);
+  for (int y = 0; y < frame.map_height; ++y) {
+    float* out = map.pixel(0, 0, y, 0);
+    if (y < frame.top || y >= frame.top + frame.height) {
+      fill(out, frame.map_width);
       continue;
     }
-    fill(out, result.left);
-    out += static_cast<std::ptrdiff_t>(result.left) * kImageBlock;
-    const std::uint8_t* in = resized.ptr(row);
-    for (int x = 0; x < result.width; ++x, in += channels, out += kImageBlock) {
-      for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(in[channels == 3 ? 2 - c : 0]) / 255.0F;
+    fill(out, frame.left);
+    out += static_cast<std::ptrdiff_t>(frame.left) * kImageBlock;
+    const Tap row = tap(y - frame.top, scale_y, image.rows);
+    const std::uint8_t* upper = image.ptr(row.low);
+    const std::uint8_t* lower = image.ptr(row.high);
+    for (const Tap& column : columns) {
+      for (int c = 0; c < 3; ++c) {
+        const int byte = channels == 3 ? 2 - c : 0;  // BGR to RGB
+        const int left = column.low * channels + byte, right = column.high * channels + byte;
+        const int top = upper[left] * column.low_weight + upper[right] * column.high_weight;
+        const int bottom = lower[left] * column.low_weight + lower[right] * column.high_weight;
+        const int sum = (row.low_weight * (top >> 4) >> 16) + (row.high_weight * (bottom >> 4) >> 16);
+        out[c] = static_cast<float>((sum + 2) >> 2) / 255.0F;
+      }
       out[3] = 0.0F;
+      out += kImageBlock;
     }
-    fill(out, map_width - result.left - result.width);
+    fill(out, frame.map_width - frame.left - frame.width);
   }
-  return result;
+  return map;
 }
 
 }  // namespace penumbra::nn

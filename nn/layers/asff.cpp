@@ -1,5 +1,7 @@
 #include "nn/layers/asff.h"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -57,11 +59,13 @@ FeatureMap Asff::operator()(std::span<const FeatureMap* const> levels, Arena& ar
           fmt::format("[{}, {}, {}, {}]", map->images(), map->channels(), map->height(), map->width()));
     }
   }
-  FeatureMap output(arena, first.images(), channels_, first.height(), first.width(), output_border);
+  FeatureMap output(arena, first.batch(), channels_, first.height(), first.width(), output_border);
   const std::size_t padded = weights_.size() / level_count_;
+  const ArenaBuffer scratch = arena.allocate(static_cast<std::size_t>(omp_get_max_threads()) * level_count_);
 #pragma omp parallel
   {
-    std::vector<float> shares(level_count_);
+    const std::span<float> shares(
+        scratch.data() + static_cast<std::size_t>(omp_get_thread_num()) * level_count_, level_count_);
 #pragma omp for collapse(2)
     for (int n = 0; n < output.images(); ++n) {
       for (int y = 0; y < output.height(); ++y) {

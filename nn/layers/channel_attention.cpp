@@ -1,22 +1,23 @@
 #include "nn/layers/channel_attention.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
-#include <vector>
 
 #include "nn/base/error.h"
 #include "nn/layers/activations.h"
+#include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
 namespace {
 
 // sum += W_2 relu(W_1 v)
-void add_mlp(const Tensor& reduce, const Tensor& expand, const std::vector<float>& v,
-             std::vector<float>& sum) {
-  const auto hidden_size = static_cast<std::size_t>(reduce.extent(0));
-  std::vector<float> hidden(hidden_size, 0.0F);
+void add_mlp(const Tensor& reduce, const Tensor& expand, std::span<const float> v, std::span<float> hidden,
+             std::span<float> sum) {
+  const std::size_t hidden_size = hidden.size();
   for (std::size_t i = 0; i < hidden_size; ++i) {
+    hidden[i] = 0.0F;
     for (std::size_t c = 0; c < v.size(); ++c) hidden[i] += reduce.values[i * v.size() + c] * v[c];
     hidden[i] = std::max(hidden[i], 0.0F);
   }
@@ -35,14 +36,17 @@ ChannelAttention::ChannelAttention(Tensor reduce, Tensor expand)
   }
 }
 
-void ChannelAttention::apply(FeatureMap& map) const {
+void ChannelAttention::apply(FeatureMap& map, Arena& arena) const {
   const auto channels = static_cast<std::size_t>(map.channels());
   if (static_cast<std::int64_t>(channels) != reduce_.extent(1)) {
     throw InputError("channel attention", fmt::format("{} channels", reduce_.extent(1)),
                      fmt::format("{}", channels));
   }
+  const auto padded = static_cast<std::size_t>(map.blocks()) * kBlock;
+  ArenaVector<float> top(arena, channels), mean(arena, channels), gate(arena, padded);
+  ArenaVector<float> hidden(arena, static_cast<std::size_t>(reduce_.extent(0)));
+  for (ArenaVector<float>* values : {&top, &mean, &gate, &hidden}) values->resize(values->capacity());
   for (int n = 0; n < map.images(); ++n) {
-    std::vector<float> top(channels), mean(channels), gate(channels, 0.0F);
 #pragma omp parallel for
     for (int b = 0; b < map.blocks(); ++b) {
       float block_top[kBlock], block_sum[kBlock] = {};
@@ -64,10 +68,11 @@ void ChannelAttention::apply(FeatureMap& map) const {
         mean[c] = block_sum[c - first] / static_cast<float>(map.height() * map.width());
       }
     }
-    add_mlp(reduce_, expand_, top, gate);
-    add_mlp(reduce_, expand_, mean, gate);
-    for (float& g : gate) g = sigmoid(g);
-    gate.resize(static_cast<std::size_t>(map.blocks()) * kBlock, 0.0F);
+    const std::span<float> gates = gate.span().first(channels);
+    std::fill(gate.begin(), gate.end(), 0.0F);
+    add_mlp(reduce_, expand_, top.span(), hidden.span(), gates);
+    add_mlp(reduce_, expand_, mean.span(), hidden.span(), gates);
+    for (float& g : gates) g = sigmoid(g);
 #pragma omp parallel for
     for (int b = 0; b < map.blocks(); ++b) {
       const float* g = gate.data() + static_cast<std::ptrdiff_t>(b) * kBlock;

@@ -21,7 +21,7 @@ class ChannelAttention {
   ChannelAttention(Tensor reduce, Tensor expand);
 
   // F <- M_c(F)
-  void apply(FeatureMap& map) const;
+  void apply(FeatureMap& map, Arena& arena) const;
 
  private:
   Tensor reduce_, expand_;

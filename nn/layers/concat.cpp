@@ -60,7 +60,7 @@ FeatureMap concat(std::span<const FeatureMap* const> maps, Arena& arena, int out
     }
     channels += map->channels();
   }
-  FeatureMap output(arena, first.images(), channels, first.height(), first.width(), output_border);
+  FeatureMap output(arena, first.batch(), channels, first.height(), first.width(), output_border);
 #pragma omp parallel for
   for (int n = 0; n < output.images(); ++n) {
     int start = 0;
@@ -78,7 +78,7 @@ FeatureMap slice_channels(const FeatureMap& map, int first, int count, Arena& ar
     throw InputError("slice_channels", fmt::format("channels of a map of {}", map.channels()),
                      fmt::format("{} from {} on", count, first));
   }
-  FeatureMap output(arena, map.images(), count, map.height(), map.width(), output_border);
+  FeatureMap output(arena, map.batch(), count, map.height(), map.width(), output_border);
 #pragma omp parallel for
   for (int n = 0; n < output.images(); ++n) {
     copy_channels(map, first, output, 0, count, n);

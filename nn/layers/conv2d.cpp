@@ -126,7 +126,7 @@ FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_
                      fmt::format("{} x {} with padding {}", input.height(), input.width(), options_.padding));
   }
 
-  FeatureMap output(arena, input.images(), outputs_, out.height, out.width, output_border);
+  FeatureMap output(arena, input.batch(), outputs_, out.height, out.width, output_border);
   if (groups_.empty()) {
     over_rows(input, residual, output);
     return output;

@@ -98,7 +98,7 @@ FeatureMap ConvTranspose2d::operator()(const FeatureMap& input, Arena& arena, in
   }
   if (input.border() < border) return (*this)(with_border(input, arena, border), arena, output_border);
 
-  FeatureMap output(arena, input.images(), outputs_, height, width, output_border);
+  FeatureMap output(arena, input.batch(), outputs_, height, width, output_border);
   const ArenaBuffer tap_memory = arena.allocate(most_taps * 2);
   auto* taps = reinterpret_cast<std::ptrdiff_t*>(tap_memory.data());
   for (const Phase& phase : phases_) run_phase(phase, input, taps, output);

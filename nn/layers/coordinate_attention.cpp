@@ -57,8 +57,8 @@ CoordinateAttention::CoordinateAttention(const CoordinateAttentionWeights& weigh
 }
 
 void CoordinateAttention::apply(FeatureMap& map, Arena& arena) const {
-  FeatureMap rows(arena, map.images(), map.channels(), 1, map.height(), 0);
-  FeatureMap columns(arena, map.images(), map.channels(), 1, map.width(), 0);
+  FeatureMap rows(arena, map.batch(), map.channels(), 1, map.height(), 0);
+  FeatureMap columns(arena, map.batch(), map.channels(), 1, map.width(), 0);
   mean_of_rows_and_columns(map, rows, columns);
   const FeatureMap row_gate = expand_rows_(squeeze_(rows, arena), arena);
   const FeatureMap column_gate = expand_columns_(squeeze_(columns, arena), arena);

@@ -1,29 +1,13 @@
 #include "nn/layers/mask_paste.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "nn/base/linear_sample.h"
 
 namespace penumbra::nn {
 
-namespace {
-
-// PyTorch's bilinear source position: (i + 0.5) * scale - 0.5, clamped at 0, as two indices and the second's
-// weight.
-struct Sample {
-  int low, high;
-  float fraction;
-};
-
-Sample source_position(int i, float scale, int extent) {
-  const float position = std::max((static_cast<float>(i) + 0.5F) * scale - 0.5F, 0.0F);
-  const int low = std::min(static_cast<int>(position), extent - 1);
-  return {low, std::min(low + 1, extent - 1), position - static_cast<float>(low)};
-}
-
-}  // namespace
-
-Mask paste_mask(std::span<const float> probabilities, int size, const Box& box, int image_width,
-                int image_height, float threshold) {
+void paste_mask(std::span<const float> probabilities, int size, const Box& box, int image_width,
+                int image_height, float threshold, Mask& mask) {
   const int padded_size = size + 2;
   const float growth = static_cast<float>(padded_size) / static_cast<float>(size);
   const float half_width = (box.x2 - box.x1) * 0.5F * growth, half_height = (box.y2 - box.y1) * 0.5F * growth;
@@ -32,7 +16,6 @@ Mask paste_mask(std::span<const float> probabilities, int size, const Box& box, 
   const int y1 = static_cast<int>(centre_y - half_height), y2 = static_cast<int>(centre_y + half_height);
   const int width = std::max(x2 - x1 + 1, 1), height = std::max(y2 - y1 + 1, 1);
 
-  Mask mask;
   mask.x = std::clamp(x1, 0, image_width);
   mask.y = std::clamp(y1, 0, image_height);
   mask.width = std::max(std::min(x2 + 1, image_width) - mask.x, 0);
@@ -48,9 +31,9 @@ Mask paste_mask(std::span<const float> probabilities, int size, const Box& box, 
   };
   std::uint8_t* out = mask.bits.data();
   for (int y = mask.y; y < mask.y + mask.height; ++y) {
-    const Sample row = source_position(y - y1, scale_y, padded_size);
+    const LinearSample row = linear_sample(half_pixel(y - y1, scale_y), padded_size);
     for (int x = mask.x; x < mask.x + mask.width; ++x) {
-      const Sample column = source_position(x - x1, scale_x, padded_size);
+      const LinearSample column = linear_sample(half_pixel(x - x1, scale_x), padded_size);
       const float upper = (1.0F - column.fraction) * value(row.low, column.low) +
                           column.fraction * value(row.low, column.high);
       const float lower = (1.0F - column.fraction) * value(row.high, column.low) +
@@ -58,7 +41,6 @@ Mask paste_mask(std::span<const float> probabilities, int size, const Box& box, 
       *out++ = (1.0F - row.fraction) * upper + row.fraction * lower > threshold ? 1 : 0;
     }
   }
-  return mask;
 }
 
 }  // namespace penumbra::nn

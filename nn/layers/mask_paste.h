@@ -29,8 +29,15 @@ struct Mask {
   }
 };
 
-// `probabilities` is M x M, row-major; 1 where the resized probability is > threshold.
-Mask paste_mask(std::span<const float> probabilities, int size, const Box& box, int image_width,
-                int image_height, float threshold = 0.5F);
+// `probabilities` is M x M, row-major; 1 where the resized probability is > threshold. `mask` is overwritten,
+// its memory used again.
+void paste_mask(std::span<const float> probabilities, int size, const Box& box, int image_width,
+                int image_height, float threshold, Mask& mask);
+inline Mask paste_mask(std::span<const float> probabilities, int size, const Box& box, int image_width,
+                       int image_height, float threshold = 0.5F) {
+  Mask mask;
+  paste_mask(probabilities, size, box, image_width, image_height, threshold, mask);
+  return mask;
+}
 
 }  // namespace penumbra::nn

@@ -22,7 +22,7 @@ class MixedAttention {
   // F <- M(F)
   void apply(FeatureMap& map, Arena& arena) const {
     spatial_.apply(map, arena);
-    channel_.apply(map);
+    channel_.apply(map, arena);
   }
 
  private:

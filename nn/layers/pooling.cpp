@@ -50,7 +50,7 @@ struct Mean {
 template <class Reduction, class Rows, class Columns>
 FeatureMap pool(const FeatureMap& input, int height, int width, Arena& arena, int output_border, Rows rows,
                 Columns columns) {
-  FeatureMap output(arena, input.images(), input.channels(), height, width, output_border);
+  FeatureMap output(arena, input.batch(), input.channels(), height, width, output_border);
 #pragma omp parallel for collapse(2)
   for (int n = 0; n < output.images(); ++n) {
     for (int b = 0; b < output.blocks(); ++b) {

@@ -2,58 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
+#include "nn/base/error.h"
+#include "nn/base/linear_sample.h"
 #include "nn/layers/activations.h"
 
 namespace penumbra::nn {
 
 namespace {
 
-// Where an image pixel samples the prototypes along one axis: two neighbours and the second's weight.
-struct Sample {
-  int low, high;
-  float fraction;
-};
-
-Sample sample_at(int pixel, float scale, float offset, int extent) {
-  const float position = std::clamp((static_cast<float>(pixel) + 0.5F) * scale + offset - 0.5F, 0.0F,
-                                    static_cast<float>(extent - 1));
-  const int low = static_cast<int>(position);
-  return {low, std::min(low + 1, extent - 1), position - static_cast<float>(low)};
-}
-
-std::vector<Sample> samples(int begin, int count, float scale, float offset, int extent) {
-  std::vector<Sample> positions;
-  for (int i = 0; i < count; ++i) positions.push_back(sample_at(begin + i, scale, offset, extent));
-  return positions;
+// Where image pixel i samples an axis of the prototypes.
+LinearSample sample_at(int i, float scale, float offset, int extent) {
+  return linear_sample((static_cast<float>(i) + 0.5F) * scale + offset - 0.5F, extent);
 }
 
 }  // namespace
 
-Mask prototype_mask(const FeatureMap& prototypes, std::span<const float> weights, const PrototypeFrame& frame,
-                    const Box& box, int image_width, int image_height, float threshold) {
-  Mask mask;
-  mask.x = static_cast<int>(std::ceil(std::clamp(box.x1, 0.0F, static_cast<float>(image_width))));
-  mask.y = static_cast<int>(std::ceil(std::clamp(box.y1, 0.0F, static_cast<float>(image_height))));
-  mask.width =
-      static_cast<int>(std::ceil(std::clamp(box.x2, 0.0F, static_cast<float>(image_width)))) - mask.x;
-  mask.height =
-      static_cast<int>(std::ceil(std::clamp(box.y2, 0.0F, static_cast<float>(image_height)))) - mask.y;
+void prototype_mask(const FeatureMap& prototypes, std::span<const float> weights, const PrototypeFrame& frame,
+                    const Box& box, int image_width, int image_height, float threshold,
+                    std::span<float> scratch, Mask& mask) {
+  if (std::ssize(scratch) < static_cast<std::ptrdiff_t>(prototypes.height()) * prototypes.width()) {
+    throw InputError("prototype_mask",
+                     fmt::format("scratch of {} x {}", prototypes.height(), prototypes.width()),
+                     fmt::format("{}", scratch.size()));
+  }
+  const auto first_pixel = [](float edge, int extent) {
+    return static_cast<int>(std::ceil(std::clamp(edge, 0.0F, static_cast<float>(extent))));
+  };
+  mask.x = first_pixel(box.x1, image_width);
+  mask.y = first_pixel(box.y1, image_height);
+  mask.width = first_pixel(box.x2, image_width) - mask.x;
+  mask.height = first_pixel(box.y2, image_height) - mask.y;
   if (mask.width <= 0 || mask.height <= 0) {
     mask.width = mask.height = 0;
-    return mask;
+    mask.bits.clear();
+    return;
   }
-  const std::vector<Sample> columns =
-      samples(mask.x, mask.width, frame.scale_x, frame.left, prototypes.width());
-  const std::vector<Sample> rows =
-      samples(mask.y, mask.height, frame.scale_y, frame.top, prototypes.height());
+  const auto column_at = [&](int x) { return sample_at(x, frame.scale_x, frame.left, prototypes.width()); };
+  const auto row_at = [&](int y) { return sample_at(y, frame.scale_y, frame.top, prototypes.height()); };
 
   // The probabilities of the prototype pixels that some sample reads.
-  const int x0 = columns.front().low, y0 = rows.front().low;
-  const int width = columns.back().high + 1 - x0, height = rows.back().high + 1 - y0;
-  std::vector<float> probabilities(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  float* next = probabilities.data();
+  const int x0 = column_at(mask.x).low, y0 = row_at(mask.y).low;
+  const int width = column_at(mask.x + mask.width - 1).high + 1 - x0;
+  const int height = row_at(mask.y + mask.height - 1).high + 1 - y0;
+  float* next = scratch.data();
   const int channels = std::min(static_cast<int>(weights.size()), prototypes.channels());
   for (int y = y0; y < y0 + height; ++y) {
     for (int x = x0; x < x0 + width; ++x) {
@@ -67,17 +59,20 @@ Mask prototype_mask(const FeatureMap& prototypes, std::span<const float> weights
     }
   }
 
-  mask.bits.reserve(static_cast<std::size_t>(mask.width) * static_cast<std::size_t>(mask.height));
-  for (const Sample& row : rows) {
-    const float* upper = probabilities.data() + static_cast<std::ptrdiff_t>(row.low - y0) * width - x0;
-    const float* lower = probabilities.data() + static_cast<std::ptrdiff_t>(row.high - y0) * width - x0;
-    for (const Sample& column : columns) {
-      const float top = upper[column.low] + column.fraction * (upper[column.high] - upper[column.low]);
-      const float bottom = lower[column.low] + column.fraction * (lower[column.high] - lower[column.low]);
-      mask.bits.push_back(top + row.fraction * (bottom - top) > threshold ? 1 : 0);
+  mask.bits.resize(static_cast<std::size_t>(mask.width) * static_cast<std::size_t>(mask.height));
+  std::uint8_t* out = mask.bits.data();
+  for (int y = mask.y; y < mask.y + mask.height; ++y) {
+    const LinearSample row = row_at(y);
+    const float* upper = scratch.data() + static_cast<std::ptrdiff_t>(row.low - y0) * width;
+    const float* lower = scratch.data() + static_cast<std::ptrdiff_t>(row.high - y0) * width;
+    for (int x = mask.x; x < mask.x + mask.width; ++x) {
+      const LinearSample column = column_at(x);
+      const int left = column.low - x0, right = column.high - x0;
+      const float top = upper[left] + column.fraction * (upper[right] - upper[left]);
+      const float bottom = lower[left] + column.fraction * (lower[right] - lower[left]);
+      *out++ = top + row.fraction * (bottom - top) > threshold ? 1 : 0;
     }
   }
-  return mask;
 }
 
 }  // namespace penumbra::nn

@@ -25,8 +25,10 @@ struct PrototypeFrame {
   float scale_x = 0.25F, scale_y = 0.25F;  // prototype pixels per image pixel
 };
 
-// `box` is in pixels of the image and lies inside it.
-Mask prototype_mask(const FeatureMap& prototypes, std::span<const float> weights, const PrototypeFrame& frame,
-                    const Box& box, int image_width, int image_height, float threshold = 0.5F);
+// `box` is in pixels of the image and lies inside it. `scratch` is overwritten, a number for each prototype
+// pixel; `mask` too, its memory used again.
+void prototype_mask(const FeatureMap& prototypes, std::span<const float> weights, const PrototypeFrame& frame,
+                    const Box& box, int image_width, int image_height, float threshold,
+                    std::span<float> scratch, Mask& mask);
 
 }  // namespace penumbra::nn

@@ -1,10 +1,12 @@
 #include "nn/layers/roi_align.h"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "nn/base/error.h"
+#include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
@@ -28,8 +30,8 @@ AxisSample sample_axis(float position, int extent) {
 
 // The samples of all bins along one axis of a region, bin by bin.
 struct Axis {
-  int sampling = 0;                 // G
-  std::vector<AxisSample> samples;  // size * sampling of them
+  int sampling = 0;     // G
+  AxisSample* samples;  // size * sampling of them
 };
 
 // `low` and `high` are the region's ends in pixels of the map.
@@ -43,12 +45,12 @@ void sample_bins(float low, float high, const RoiAlignOptions& options, int map_
     const float wanted = std::ceil(bin);
     axis.sampling = wanted > 0.0F ? static_cast<int>(std::min(wanted, float{kMaxAdaptiveSampling})) : 0;
   }
-  axis.samples.clear();
+  AxisSample* next = axis.samples;
   for (int i = 0; i < options.size; ++i) {
     for (int u = 0; u < axis.sampling; ++u) {
       const float position = start + static_cast<float>(i) * bin +
                              (static_cast<float>(u) + 0.5F) * bin / static_cast<float>(axis.sampling);
-      axis.samples.push_back(sample_axis(position, map_extent));
+      *next++ = sample_axis(position, map_extent);
     }
   }
 }
@@ -61,9 +63,9 @@ void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, 
       for (int j = 0; j < size; ++j) {
         float sum[kBlock] = {};
         for (int u = 0; u < rows.sampling; ++u) {
-          const AxisSample& row = rows.samples[static_cast<std::size_t>(i * rows.sampling + u)];
+          const AxisSample& row = rows.samples[i * rows.sampling + u];
           for (int v = 0; v < columns.sampling; ++v) {
-            const AxisSample& column = columns.samples[static_cast<std::size_t>(j * columns.sampling + v)];
+            const AxisSample& column = columns.samples[j * columns.sampling + v];
             const float* p00 = map.pixel(0, b, row.low, column.low);
             const float* p01 = map.pixel(0, b, row.low, column.high);
             const float* p10 = map.pixel(0, b, row.high, column.low);
@@ -85,16 +87,21 @@ void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, 
 // level(r) is the level that region r is read from.
 template <class LevelOf>
 FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions options, Arena& arena,
-                 int output_border, LevelOf level_of) {
+                 int output_border, int capacity, LevelOf level_of) {
   if (options.size < 1 || options.sampling < 0) {
     throw InputError("roi_align", "size >= 1 and sampling >= 0",
                      fmt::format("{} and {}", options.size, options.sampling));
   }
-  FeatureMap output(arena, static_cast<int>(regions.size()), channels, options.size, options.size,
+  const int count = static_cast<int>(regions.size());
+  FeatureMap output(arena, {count, std::max(count, capacity)}, channels, options.size, options.size,
                     output_border);
+  const int most_sampling = options.sampling == 0 ? kMaxAdaptiveSampling : options.sampling;
+  const auto axis_samples = static_cast<std::size_t>(options.size) * static_cast<std::size_t>(most_sampling);
+  ArenaVector<AxisSample> scratch(arena, 2 * axis_samples * static_cast<std::size_t>(omp_get_max_threads()));
 #pragma omp parallel
   {
-    Axis rows, columns;
+    AxisSample* own = scratch.data() + 2 * axis_samples * static_cast<std::size_t>(omp_get_thread_num());
+    Axis rows{0, own}, columns{0, own + axis_samples};
 #pragma omp for schedule(dynamic, 4)
     for (std::size_t r = 0; r < regions.size(); ++r) {
       const PyramidLevel level = level_of(regions[r]);
@@ -117,18 +124,19 @@ int roi_level(const Box& box, int levels) {
 }
 
 FeatureMap roi_align(const FeatureMap& map, float scale, std::span<const Box> regions,
-                     RoiAlignOptions options, Arena& arena, int output_border) {
-  return align(map.channels(), regions, options, arena, output_border, [&](const Box&) {
+                     RoiAlignOptions options, Arena& arena, int output_border, int capacity) {
+  return align(map.channels(), regions, options, arena, output_border, capacity, [&](const Box&) {
     return PyramidLevel{&map, scale};
   });
 }
 
 FeatureMap multi_scale_roi_align(std::span<const PyramidLevel> levels, std::span<const Box> regions,
-                                 RoiAlignOptions options, Arena& arena, int output_border) {
+                                 RoiAlignOptions options, Arena& arena, int output_border, int capacity) {
   if (levels.empty()) throw InputError("roi_align", "at least one level", "none");
-  return align(levels.front().map->channels(), regions, options, arena, output_border, [&](const Box& box) {
-    return levels[static_cast<std::size_t>(roi_level(box, static_cast<int>(levels.size())))];
-  });
+  return align(levels.front().map->channels(), regions, options, arena, output_border, capacity,
+               [&](const Box& box) {
+                 return levels[static_cast<std::size_t>(roi_level(box, static_cast<int>(levels.size())))];
+               });
 }
 
 }  // namespace penumbra::nn

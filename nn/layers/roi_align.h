@@ -42,13 +42,16 @@ constexpr int kMaxAdaptiveSampling = 256;
 // Index of the pyramid level that a region is read from; level 0 is P2.
 int roi_level(const Box& box, int levels);
 
+// In both the output has room for `capacity` regions, or for as many as there are (see Batch).
+//
 // All regions from one map [1, C, H, W] at `scale` map pixels per image pixel.
 FeatureMap roi_align(const FeatureMap& map, float scale, std::span<const Box> regions,
-                     RoiAlignOptions options, Arena& arena, int output_border = 0);
+                     RoiAlignOptions options, Arena& arena, int output_border = 0, int capacity = 0);
 
 // Every region from the level that roi_level picks. Throws InputError where there is no level or size or
 // sampling make no sense.
 FeatureMap multi_scale_roi_align(std::span<const PyramidLevel> levels, std::span<const Box> regions,
-                                 RoiAlignOptions options, Arena& arena, int output_border = 0);
+                                 RoiAlignOptions options, Arena& arena, int output_border = 0,
+                                 int capacity = 0);
 
 }  // namespace penumbra::nn

@@ -12,7 +12,7 @@ namespace {
 // [max_c F ; mean_c F] as an image of 4-channel pixels, so that the 7 x 7 convolution reads 4 channels,
 // not 16.
 FeatureMap pool_channels(const FeatureMap& map, int border, Arena& arena) {
-  FeatureMap pooled(arena, map.images(), 2, map.height(), map.width(), border, kImageBlock);
+  FeatureMap pooled(arena, map.batch(), 2, map.height(), map.width(), border, kImageBlock);
 #pragma omp parallel for collapse(2)
   for (int n = 0; n < map.images(); ++n) {
     for (int y = 0; y < map.height(); ++y) {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "nn/base/error.h"
+#include "nn/base/linear_sample.h"
 
 namespace penumbra::nn {
 
@@ -14,24 +15,13 @@ int nearest(int i, float scale, int extent) {
   return std::min(static_cast<int>(static_cast<float>(i) * scale), extent - 1);
 }
 
-// Two neighbouring pixels of an axis and the weight of the second.
-struct AxisSample {
-  int low, high;
-  float fraction;
-};
-
-AxisSample bilinear(int i, int input, int output, bool align_corners) {
-  float position = 0.0F;
-  if (align_corners) {
-    if (output > 1) {
-      position = static_cast<float>(i) * (static_cast<float>(input - 1) / static_cast<float>(output - 1));
-    }
-  } else {
-    const float scale = static_cast<float>(input) / static_cast<float>(output);
-    position = std::max((static_cast<float>(i) + 0.5F) * scale - 0.5F, 0.0F);
+LinearSample bilinear(int i, int input, int output, bool align_corners) {
+  if (!align_corners) {
+    return linear_sample(half_pixel(i, static_cast<float>(input) / static_cast<float>(output)), input);
   }
-  const int low = std::min(static_cast<int>(position), input - 1);
-  return {low, std::min(low + 1, input - 1), position - static_cast<float>(low)};
+  if (output == 1) return linear_sample(0.0F, input);
+  return linear_sample(
+      static_cast<float>(i) * (static_cast<float>(input - 1) / static_cast<float>(output - 1)), input);
 }
 
 void check_size(const char* name, const FeatureMap& input, int height, int width) {
@@ -45,7 +35,7 @@ void check_size(const char* name, const FeatureMap& input, int height, int width
 
 FeatureMap upsample_nearest(const FeatureMap& input, int height, int width, Arena& arena, int output_border) {
   check_size("upsample_nearest", input, height, width);
-  FeatureMap output(arena, input.images(), input.channels(), height, width, output_border, input.block());
+  FeatureMap output(arena, input.batch(), input.channels(), height, width, output_border, input.block());
   const float scale_y = static_cast<float>(input.height()) / static_cast<float>(height);
   const float scale_x = static_cast<float>(input.width()) / static_cast<float>(width);
   const std::size_t pixel_bytes = static_cast<std::size_t>(input.block()) * sizeof(float);
@@ -88,18 +78,18 @@ void add_upsampled(const FeatureMap& x, FeatureMap& y) {
 FeatureMap upsample_bilinear(const FeatureMap& input, int height, int width, bool align_corners, Arena& arena,
                              int output_border) {
   check_size("upsample_bilinear", input, height, width);
-  FeatureMap output(arena, input.images(), input.channels(), height, width, output_border, input.block());
+  FeatureMap output(arena, input.batch(), input.channels(), height, width, output_border, input.block());
   const int block = input.block();
 #pragma omp parallel for collapse(3)
   for (int n = 0; n < output.images(); ++n) {
     for (int b = 0; b < output.blocks(); ++b) {
       for (int i = 0; i < height; ++i) {
-        const AxisSample row = bilinear(i, input.height(), height, align_corners);
+        const LinearSample row = bilinear(i, input.height(), height, align_corners);
         const float* upper = input.pixel(n, b, row.low, 0);
         const float* lower = input.pixel(n, b, row.high, 0);
         float* to = output.pixel(n, b, i, 0);
         for (int j = 0; j < width; ++j, to += block) {
-          const AxisSample column = bilinear(j, input.width(), width, align_corners);
+          const LinearSample column = bilinear(j, input.width(), width, align_corners);
           const float w11 = row.fraction * column.fraction, w10 = row.fraction - w11;
           const float w01 = column.fraction - w11, w00 = 1.0F - row.fraction - w01;
           const std::ptrdiff_t left = static_cast<std::ptrdiff_t>(column.low) * block;

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "nn/layers/activations.h"
 #include "nn/layers/box_coder.h"
-#include "nn/layers/nms.h"
 
 namespace penumbra::nn {
 
@@ -12,6 +13,9 @@ namespace {
 
 constexpr int kTorchvisionHidden = 1024;  // width of the fully connected layers
 constexpr int kMostHidden = 8192;         // more is a damaged file
+// Proposals that pass the layers together: enough to read the 51 MB of fc6's weights seldom, few enough that
+// the regions (25 MB) do not decide how much memory the network needs.
+constexpr std::size_t kProposalsPerPass = 500;
 constexpr BoxCoderWeights kBoxCoder{10.0F, 10.0F, 5.0F, 5.0F};
 
 // Channel c of image n of an output [N, C, 1, 1].
@@ -41,21 +45,38 @@ BoxHead::BoxHead(WeightReader& weights, const std::string& prefix, int channels,
   box_deltas_ = layer("box_predictor.bbox_pred", classes_ * 4, width, 1, Activation::none);
 }
 
-std::vector<ScoredBox> BoxHead::operator()(std::span<const PyramidLevel> pyramid,
-                                           std::span<const Box> proposals, const ImageExtent& image,
+ArenaVector<ScoredBox> BoxHead::operator()(std::span<const PyramidLevel> pyramid,
+                                           const ArenaVector<Box>& proposals, const ImageExtent& image,
                                            Arena& arena) const {
-  if (proposals.empty()) return {};
-  FeatureMap features = multi_scale_roi_align(pyramid, proposals, config_.roi_align, arena);
+  ArenaVector<ScoredBox> detections(arena, static_cast<std::size_t>(std::max(config_.max_detections, 0)));
+  Candidates candidates(arena, proposals.capacity() * static_cast<std::size_t>(std::max(classes_ - 1, 0)));
+  // Passes without proposals run too, so that all pictures of a shape ask for the same memory.
+  for (std::size_t first = 0; first < proposals.capacity(); first += kProposalsPerPass) {
+    const std::size_t capacity = std::min(kProposalsPerPass, proposals.capacity() - first);
+    const std::size_t begin = std::min(first, proposals.size());
+    const std::size_t count = std::min(capacity, proposals.size() - begin);
+    classify(pyramid, proposals.span().subspan(begin, count), static_cast<int>(capacity), image, candidates,
+             arena);
+  }
+  const NmsOptions options{config_.nms_threshold, config_.max_detections, classes_};
+  for (const int i : batched_nms(candidates, options, arena)) {
+    const auto index = static_cast<std::size_t>(i);
+    detections.push_back({candidates.boxes[index], candidates.scores[index], candidates.groups[index]});
+  }
+  return detections;
+}
+
+void BoxHead::classify(std::span<const PyramidLevel> pyramid, std::span<const Box> proposals, int capacity,
+                       const ImageExtent& image, Candidates& candidates, Arena& arena) const {
+  FeatureMap features = multi_scale_roi_align(pyramid, proposals, config_.roi_align, arena, 0, capacity);
   for (const Conv2d& layer : hidden_) features = layer(features, arena);
   const FeatureMap logits = class_logits_(features, arena), deltas = box_deltas_(features, arena);
 
-  std::vector<Box> boxes;
-  std::vector<float> scores;
-  std::vector<int> labels;
-  std::vector<float> probabilities(static_cast<std::size_t>(classes_));
+  ArenaVector<float> probabilities(arena, static_cast<std::size_t>(classes_));
+  probabilities.resize(probabilities.capacity());
   for (int n = 0; n < static_cast<int>(proposals.size()); ++n) {
     for (int c = 0; c < classes_; ++c) probabilities[static_cast<std::size_t>(c)] = output_at(logits, n, c);
-    softmax(probabilities);
+    softmax(probabilities.span());
     for (int c = 1; c < classes_; ++c) {
       const float score = probabilities[static_cast<std::size_t>(c)];
       if (!(score > config_.score_threshold)) continue;  // also drops a NaN
@@ -64,17 +85,9 @@ std::vector<ScoredBox> BoxHead::operator()(std::span<const PyramidLevel> pyramid
                                       output_at(deltas, n, 4 * c + 3), kBoxCoder),
                            static_cast<float>(image.width), static_cast<float>(image.height));
       if (!(box.width() >= config_.min_side && box.height() >= config_.min_side)) continue;
-      boxes.push_back(box);
-      scores.push_back(score);
-      labels.push_back(c);
+      candidates.add(box, score, c);
     }
   }
-  std::vector<ScoredBox> detections;
-  for (const int i : batched_nms(boxes, scores, labels, config_.nms_threshold, config_.max_detections)) {
-    const auto index = static_cast<std::size_t>(i);
-    detections.push_back({boxes[index], scores[index], labels[index]});
-  }
-  return detections;
 }
 
 }  // namespace penumbra::nn

@@ -14,6 +14,7 @@
 
 #include "nn/layers/box.h"
 #include "nn/layers/conv2d.h"
+#include "nn/layers/nms.h"
 #include "nn/layers/roi_align.h"
 #include "nn/models/rpn.h"
 
@@ -43,11 +44,15 @@ class BoxHead {
 
   int classes() const { return classes_; }
 
-  // Detections in order of falling score.
-  std::vector<ScoredBox> operator()(std::span<const PyramidLevel> pyramid, std::span<const Box> proposals,
+  // Detections in order of falling score; room for max_detections of them.
+  ArenaVector<ScoredBox> operator()(std::span<const PyramidLevel> pyramid, const ArenaVector<Box>& proposals,
                                     const ImageExtent& image, Arena& arena) const;
 
  private:
+  // Adds what the proposals, at most `capacity` of them, hold of all classes.
+  void classify(std::span<const PyramidLevel> pyramid, std::span<const Box> proposals, int capacity,
+                const ImageExtent& image, Candidates& candidates, Arena& arena) const;
+
   BoxHeadConfig config_;
   int classes_ = 0;
   std::vector<Conv2d> hidden_;  // fc6, fc7

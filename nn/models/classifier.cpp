@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "nn/layers/pooling.h"
 
@@ -29,10 +30,16 @@ Classifier::Classifier(const StateDict& state_dict, ClassifierConfig config) : c
 
 std::string Classifier::name() const { return fmt::format("ResNet-{}", backbone_.shape().depth); }
 
-std::vector<float> Classifier::operator()(const cv::Mat& image, Arena& arena) const {
-  const FeatureMap input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
-  const std::array<FeatureMap, 4> stages = backbone_(input, arena);
-  return to_tensor(head_(global_avg_pool(stages.back(), arena), arena)).values;
+void Classifier::operator()(const cv::Mat& image, Arena& arena, std::vector<float>& logits) const {
+  // The image's own extents decide how much memory its resizing takes.
+  const Arena::Pass pass(arena, this, image.rows, image.cols);
+  FeatureMap input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
+  const std::array<FeatureMap, 4> stages = backbone_(std::move(input), arena);
+  const FeatureMap outputs = head_(global_avg_pool(stages.back(), arena), arena);
+  logits.resize(static_cast<std::size_t>(outputs.channels()));
+  for (int c = 0; c < outputs.channels(); ++c) {
+    logits[static_cast<std::size_t>(c)] = outputs.pixel(0, c / kBlock, 0, 0)[c % kBlock];
+  }
 }
 
 std::vector<int> best_classes(const std::vector<float>& logits, int count) {

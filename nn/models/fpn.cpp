@@ -52,17 +52,18 @@ FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix,
   }
 }
 
-std::array<FeatureMap, kPyramidLevels> FeaturePyramid::operator()(const std::array<FeatureMap, 4>& stages,
+std::array<FeatureMap, kPyramidLevels> FeaturePyramid::operator()(std::array<FeatureMap, 4> stages,
                                                                   Arena& arena) const {
   std::array<FeatureMap, kPyramidLevels> pyramid;
   FeatureMap top_down;  // T_{n+1}
   for (std::size_t k = levels_.size(); k-- > 0;) {
     const Level& level = levels_[k];
     FeatureMap lateral = level.lateral(stages[k], arena, 1);
+    stages[k] = FeatureMap();  // gives its memory back
     if (level.attention) level.attention->apply(lateral, arena);
     if (k + 1 < levels_.size()) add_upsampled(top_down, lateral);
-    pyramid[k] = level.output(lateral, arena, 1);
     top_down = std::move(lateral);
+    pyramid[k] = level.output(top_down, arena, 1);
   }
   pyramid[4] = subsample(pyramid[3], 2, arena, 1);
   return pyramid;

@@ -37,9 +37,9 @@ class FeaturePyramid {
   int channels() const { return channels_; }
   bool has_attention() const { return levels_.front().attention.has_value(); }
 
-  // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them.
-  std::array<FeatureMap, kPyramidLevels> operator()(const std::array<FeatureMap, 4>& stages,
-                                                    Arena& arena) const;
+  // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them. Gives a stage's
+  // memory back when its lateral convolution has read it.
+  std::array<FeatureMap, kPyramidLevels> operator()(std::array<FeatureMap, 4> stages, Arena& arena) const;
 
  private:
   struct Level {

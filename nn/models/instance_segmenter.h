@@ -35,7 +35,14 @@ class InstanceSegmenter {
   // Detections in order of falling score. `image` is 8-bit grey or BGR of any size, not empty (else
   // InputError). Activations live in `arena`, nothing in the network changes: threads may share a network if
   // each has an arena of its own.
-  virtual std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const = 0;
+  // `detections` is overwritten, its memory used again: from the second image of a shape on nothing else is
+  // allocated.
+  virtual void detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const = 0;
+  std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const {
+    std::vector<Detection> detections;
+    detect(image, arena, detections);
+    return detections;
+  }
 
   // The same in the network's own arena; for one thread at a time.
   std::vector<Detection> operator()(const cv::Mat& image) { return detect(image, arena_); }

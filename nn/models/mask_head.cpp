@@ -2,9 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "nn/layers/activations.h"
 
 namespace penumbra::nn {
+
+namespace {
+
+constexpr std::size_t kDetectionsPerPass = 16;  // that pass the layers together: 17 MB
+
+}  // namespace
 
 MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int channels, int classes,
                    const MaskHeadConfig& config)
@@ -27,23 +35,38 @@ MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int channel
   logit_bias_ = weights.vector(predictor + "mask_fcn_logits.bias", classes);
 }
 
-std::vector<float> MaskHead::operator()(std::span<const PyramidLevel> pyramid,
-                                        std::span<const ScoredBox> detections, Arena& arena) const {
-  if (detections.empty()) return {};
-  std::vector<Box> regions;
+ArenaVector<float> MaskHead::operator()(std::span<const PyramidLevel> pyramid,
+                                        const ArenaVector<ScoredBox>& detections, Arena& arena) const {
+  ArenaVector<float> probabilities(
+      arena, detections.capacity() * static_cast<std::size_t>(mask_size() * mask_size()));
+  // Passes without detections run too, so that all pictures of a shape ask for the same memory.
+  for (std::size_t first = 0; first < detections.capacity(); first += kDetectionsPerPass) {
+    const std::size_t capacity = std::min(kDetectionsPerPass, detections.capacity() - first);
+    const std::size_t begin = std::min(first, detections.size());
+    const std::size_t count = std::min(capacity, detections.size() - begin);
+    predict(pyramid, detections.span().subspan(begin, count), static_cast<int>(capacity), probabilities,
+            arena);
+  }
+  return probabilities;
+}
+
+void MaskHead::predict(std::span<const PyramidLevel> pyramid, std::span<const ScoredBox> detections,
+                       int capacity, ArenaVector<float>& probabilities, Arena& arena) const {
+  ArenaVector<Box> regions(arena, static_cast<std::size_t>(capacity));
   for (const ScoredBox& detection : detections) regions.push_back(detection.box);
-  FeatureMap features = multi_scale_roi_align(pyramid, regions, config_.roi_align, arena, 1);
+  FeatureMap features = multi_scale_roi_align(pyramid, regions.span(), config_.roi_align, arena, 1, capacity);
   for (const Conv2d& convolution : convolutions_) features = convolution(features, arena, 1);
   features = upsample_(features, arena);
 
   const int size = mask_size();
-  std::vector<float> probabilities(detections.size() * static_cast<std::size_t>(size * size));
+  const std::size_t start = probabilities.size();
+  probabilities.resize(start + detections.size() * static_cast<std::size_t>(size * size));
 #pragma omp parallel for
   for (std::size_t d = 0; d < detections.size(); ++d) {
     const auto label = static_cast<std::size_t>(detections[d].label);
     const float* weight =
         logit_weight_.values.data() + label * static_cast<std::size_t>(logit_weight_.extent(1));
-    float* out = probabilities.data() + d * static_cast<std::size_t>(size * size);
+    float* out = probabilities.data() + start + d * static_cast<std::size_t>(size * size);
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) {
         float lanes[kBlock] = {};
@@ -57,7 +80,6 @@ std::vector<float> MaskHead::operator()(std::span<const PyramidLevel> pyramid,
       }
     }
   }
-  return probabilities;
 }
 
 }  // namespace penumbra::nn

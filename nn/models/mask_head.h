@@ -33,10 +33,14 @@ class MaskHead {
   int mask_size() const { return 2 * config_.roi_align.size; }  // 28
 
   // For every detection mask_size^2 probabilities, row-major, one after the other.
-  std::vector<float> operator()(std::span<const PyramidLevel> pyramid, std::span<const ScoredBox> detections,
-                                Arena& arena) const;
+  ArenaVector<float> operator()(std::span<const PyramidLevel> pyramid,
+                                const ArenaVector<ScoredBox>& detections, Arena& arena) const;
 
  private:
+  // Appends those of the detections, at most `capacity` of them.
+  void predict(std::span<const PyramidLevel> pyramid, std::span<const ScoredBox> detections, int capacity,
+               ArenaVector<float>& probabilities, Arena& arena) const;
+
   MaskHeadConfig config_;
   std::vector<Conv2d> convolutions_;
   ConvTranspose2d upsample_;

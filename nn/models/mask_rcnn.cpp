@@ -67,7 +67,7 @@ MaskRcnnConfig with_metadata(const StateDict& weights, MaskRcnnConfig config) {
 }
 
 // Map pixels per image pixel, a power of two as torchvision infers it.
-float level_scale(const FeatureMap& map, const TransformedImage& image) {
+float level_scale(const FeatureMap& map, const ImageExtent& image) {
   return std::exp2(
       std::round(std::log2(static_cast<float>(map.height()) / static_cast<float>(image.height))));
 }
@@ -92,21 +92,22 @@ std::string MaskRcnn::name() const {
                      has_attention() ? " with mixed attention" : "");
 }
 
-std::vector<Detection> MaskRcnn::detect(const cv::Mat& image, Arena& arena) const {
-  const TransformedImage input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
-  const std::array<FeatureMap, kPyramidLevels> pyramid = pyramid_(backbone_(input.map, arena), arena);
-  const ImageExtent extent{input.height, input.width, input.map.height(), input.map.width()};
-  const std::vector<Box> proposals = rpn_(pyramid, extent, arena);
+void MaskRcnn::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const {
+  const ImageExtent extent = transformed_extent(image, config_.transform);
+  const Arena::Pass pass(arena, this, extent.padded_height, extent.padded_width);
+  FeatureMap input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
+  const std::array<FeatureMap, kPyramidLevels> pyramid = pyramid_(backbone_(std::move(input), arena), arena);
+  const ArenaVector<Box> proposals = rpn_(pyramid, extent, arena);
 
   std::array<PyramidLevel, 4> levels;  // the heads read P2..P5
-  for (std::size_t k = 0; k < levels.size(); ++k) levels[k] = {&pyramid[k], level_scale(pyramid[k], input)};
-  const std::vector<ScoredBox> boxes = box_head_(levels, proposals, extent, arena);
-  const std::vector<float> probabilities = mask_head_(levels, boxes, arena);
+  for (std::size_t k = 0; k < levels.size(); ++k) levels[k] = {&pyramid[k], level_scale(pyramid[k], extent)};
+  const ArenaVector<ScoredBox> boxes = box_head_(levels, proposals, extent, arena);
+  const ArenaVector<float> probabilities = mask_head_(levels, boxes, arena);
 
-  const float ratio_x = static_cast<float>(image.cols) / static_cast<float>(input.width);
-  const float ratio_y = static_cast<float>(image.rows) / static_cast<float>(input.height);
+  const float ratio_x = static_cast<float>(image.cols) / static_cast<float>(extent.width);
+  const float ratio_y = static_cast<float>(image.rows) / static_cast<float>(extent.height);
   const int size = mask_head_.mask_size();
-  std::vector<Detection> detections(boxes.size());
+  detections.resize(boxes.size());
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t d = 0; d < boxes.size(); ++d) {
     const Box& box = boxes[d].box;
@@ -114,12 +115,10 @@ std::vector<Detection> MaskRcnn::detect(const cv::Mat& image, Arena& arena) cons
     detection.box = {box.x1 * ratio_x, box.y1 * ratio_y, box.x2 * ratio_x, box.y2 * ratio_y};
     detection.score = boxes[d].score;
     detection.label = boxes[d].label;
-    detection.mask = paste_mask(
-        std::span(probabilities)
-            .subspan(d * static_cast<std::size_t>(size * size), static_cast<std::size_t>(size * size)),
-        size, detection.box, image.cols, image.rows, config_.mask_threshold);
+    const auto pixels = static_cast<std::size_t>(size * size);
+    paste_mask(probabilities.span().subspan(d * pixels, pixels), size, detection.box, image.cols, image.rows,
+               config_.mask_threshold, detection.mask);
   }
-  return detections;
 }
 
 }  // namespace penumbra::nn

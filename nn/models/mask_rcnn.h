@@ -54,7 +54,8 @@ class MaskRcnn : public InstanceSegmenter {
   bool has_masks() const override { return true; }
   bool has_attention() const { return pyramid_.has_attention(); }
 
-  std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const override;
+  using InstanceSegmenter::detect;
+  void detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const override;
 
  private:
   MaskRcnnConfig config_;

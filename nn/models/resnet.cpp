@@ -124,17 +124,18 @@ ResNet::ResNet(WeightReader& weights, const std::string& prefix, const ResNetSha
 }
 
 FeatureMap ResNet::apply(const Block& block, const FeatureMap& x, Arena& arena) const {
-  FeatureMap shortcut;
-  if (block.downsample) shortcut = (*block.downsample)(x, arena);
-  const FeatureMap* residual = block.downsample ? &shortcut : &x;
   // Maps that a 3 x 3 convolution reads get a border of 1.
-  const FeatureMap inner = block.convolutions[0](x, arena, 1);
-  if (!bottleneck_) return block.convolutions[1](inner, arena, 1, residual);
-  return block.convolutions[2](block.convolutions[1](inner, arena), arena, 0, residual);
+  FeatureMap inner = block.convolutions[0](x, arena, 1);
+  if (bottleneck_) inner = block.convolutions[1](inner, arena);
+  FeatureMap shortcut;  // made late, when the block's widest maps are no more
+  if (block.downsample) shortcut = (*block.downsample)(x, arena);
+  return block.convolutions.back()(inner, arena, bottleneck_ ? 0 : 1, block.downsample ? &shortcut : &x);
 }
 
-std::array<FeatureMap, 4> ResNet::operator()(const FeatureMap& image, Arena& arena) const {
-  FeatureMap x = max_pool(stem_(image, arena), {3, 2, 1}, arena, bottleneck_ ? 0 : 1);
+std::array<FeatureMap, 4> ResNet::operator()(FeatureMap image, Arena& arena) const {
+  FeatureMap x = stem_(image, arena);
+  image = FeatureMap();  // here and below: gives its memory back
+  x = max_pool(x, {3, 2, 1}, arena, bottleneck_ ? 0 : 1);
   std::array<FeatureMap, 4> outputs;
   for (std::size_t stage = 0; stage < 4; ++stage) {
     const FeatureMap* input = stage == 0 ? &x : &outputs[stage - 1];
@@ -144,7 +145,7 @@ std::array<FeatureMap, 4> ResNet::operator()(const FeatureMap& image, Arena& are
       input = &y;
     }
     outputs[stage] = std::move(y);
-    if (stage == 0) x = FeatureMap();  // give its memory back
+    if (stage == 0) x = FeatureMap();
   }
   return outputs;
 }

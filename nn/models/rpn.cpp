@@ -20,24 +20,19 @@ Tensor stack_rows(const Tensor& a, const Tensor& b) {
   return stacked;
 }
 
-struct Candidates {
-  std::vector<Box> boxes;
-  std::vector<float> scores;
-  std::vector<int> levels;
-};
-
 // The `count` largest logits of a level as indices (pixel * anchors + anchor), largest first, equal ones in
 // order.
-std::vector<int> best_logits(const std::vector<float>& logits, int count) {
-  std::vector<int> order(logits.size());
+ArenaVector<int> best_logits(const ArenaVector<float>& logits, int count, Arena& arena) {
+  ArenaVector<int> order(arena, logits.capacity());
+  order.resize(logits.size());
   std::iota(order.begin(), order.end(), 0);
   const auto better = [&](int a, int b) {
     const float la = logits[static_cast<std::size_t>(a)], lb = logits[static_cast<std::size_t>(b)];
     return la != lb ? la > lb : a < b;
   };
-  const auto end = order.begin() + std::min<std::ptrdiff_t>(count, std::ssize(order));
-  std::partial_sort(order.begin(), end, order.end(), better);
-  order.erase(end, order.end());
+  const std::size_t kept = std::min(static_cast<std::size_t>(std::max(count, 0)), order.size());
+  std::partial_sort(order.begin(), order.begin() + kept, order.end(), better);
+  order.resize(kept);
   return order;
 }
 
@@ -63,11 +58,12 @@ RegionProposalNetwork::RegionProposalNetwork(WeightReader& weights, const std::s
   }
 }
 
-std::vector<Box> RegionProposalNetwork::operator()(std::span<const FeatureMap> pyramid,
+ArenaVector<Box> RegionProposalNetwork::operator()(std::span<const FeatureMap> pyramid,
                                                    const ImageExtent& image, Arena& arena) const {
   const int anchors = static_cast<int>(config_.aspect_ratios.size());
-  Candidates all;
-  std::vector<float> logits;
+  const auto most_proposals = static_cast<std::size_t>(std::max(config_.proposals, 0));
+  ArenaVector<Box> proposals(arena, most_proposals);
+  Candidates all(arena, pyramid.size() * static_cast<std::size_t>(std::max(config_.candidates_per_level, 0)));
   for (std::size_t level = 0; level < pyramid.size(); ++level) {
     const FeatureMap outputs = predictor_(conv_(pyramid[level], arena), arena);
     const int width = outputs.width();
@@ -77,11 +73,12 @@ std::vector<Box> RegionProposalNetwork::operator()(std::span<const FeatureMap> p
     const auto output = [&](int pixel, int c) {
       return outputs.pixel(0, c / kBlock, pixel / width, pixel % width)[c % kBlock];
     };
-    logits.resize(static_cast<std::size_t>(outputs.height() * width * anchors));
+    ArenaVector<float> logits(arena, static_cast<std::size_t>(outputs.height() * width * anchors));
+    logits.resize(logits.capacity());
     for (std::size_t i = 0; i < logits.size(); ++i) {
       logits[i] = output(static_cast<int>(i) / anchors, static_cast<int>(i) % anchors);
     }
-    for (const int i : best_logits(logits, config_.candidates_per_level)) {
+    for (const int i : best_logits(logits, config_.candidates_per_level, arena)) {
       const int pixel = i / anchors, a = i % anchors, delta = anchors + 4 * a;
       const Box anchor =
           shift(anchors_[level][static_cast<std::size_t>(a)], static_cast<float>(pixel % width) * stride_x,
@@ -91,14 +88,11 @@ std::vector<Box> RegionProposalNetwork::operator()(std::span<const FeatureMap> p
                            static_cast<float>(image.width), static_cast<float>(image.height));
       // Written so that a NaN, which no comparison admits, is dropped too.
       if (!(box.width() >= config_.min_side && box.height() >= config_.min_side)) continue;
-      all.boxes.push_back(box);
-      all.scores.push_back(sigmoid(logits[static_cast<std::size_t>(i)]));
-      all.levels.push_back(static_cast<int>(level));
+      all.add(box, sigmoid(logits[static_cast<std::size_t>(i)]), static_cast<int>(level));
     }
   }
-  std::vector<Box> proposals;
-  for (const int i :
-       batched_nms(all.boxes, all.scores, all.levels, config_.nms_threshold, config_.proposals)) {
+  const NmsOptions options{config_.nms_threshold, config_.proposals, static_cast<int>(pyramid.size())};
+  for (const int i : batched_nms(all, options, arena)) {
     proposals.push_back(all.boxes[static_cast<std::size_t>(i)]);
   }
   return proposals;

@@ -12,9 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "nn/io/image_transform.h"
 #include "nn/layers/box.h"
 #include "nn/layers/conv2d.h"
 #include "nn/models/fpn.h"
+#include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
@@ -27,12 +29,6 @@ struct RpnConfig {
   float min_side = 1e-3F;  // pixels
 };
 
-// The image inside its padded feature map, pixels of the network's input.
-struct ImageExtent {
-  int height = 0, width = 0;                // the image
-  int padded_height = 0, padded_width = 0;  // the map
-};
-
 class RegionProposalNetwork {
  public:
   RegionProposalNetwork() = default;
@@ -41,7 +37,7 @@ class RegionProposalNetwork {
                         const RpnConfig& config);
 
   // Proposals in pixels of the network's input, best first.
-  std::vector<Box> operator()(std::span<const FeatureMap> pyramid, const ImageExtent& image,
+  ArenaVector<Box> operator()(std::span<const FeatureMap> pyramid, const ImageExtent& image,
                               Arena& arena) const;
 
  private:

@@ -1,6 +1,9 @@
 #include "nn/models/yolov5.h"
 
+#include <omp.h>
+
 #include <algorithm>
+#include <utility>
 
 #include "nn/layers/nms.h"
 #include "nn/layers/prototype_mask.h"
@@ -18,45 +21,41 @@ Yolov5::Yolov5(const StateDict& state_dict, Yolov5Config config) : config_(confi
 
 int Yolov5::classes() const { return category_of_class(shape_.classes - 1, shape_.classes) + 1; }
 
-Yolov5Output Yolov5::forward(const FeatureMap& image, Arena& arena) const {
-  return head_(features_(image, arena), arena);
+Yolov5Output Yolov5::forward(FeatureMap image, Arena& arena) const {
+  return head_(features_(std::move(image), arena), arena);
 }
 
-std::vector<Yolov5Candidate> Yolov5::best_candidates(const Yolov5Output& output) const {
-  std::vector<Yolov5Candidate> candidates = head_.decode(output, config_.score_threshold);
-  const auto limit = static_cast<std::size_t>(config_.max_candidates);
-  if (candidates.size() > limit) {
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const auto& a, const auto& b) { return a.score > b.score; });
-    candidates.resize(limit);
-  }
-  std::vector<Box> boxes;
-  std::vector<float> scores;
-  std::vector<int> labels;
-  for (const Yolov5Candidate& candidate : candidates) {
-    boxes.push_back(candidate.box);
-    scores.push_back(candidate.score);
-    labels.push_back(candidate.label);
-  }
-  std::vector<Yolov5Candidate> best;
-  for (const int i : batched_nms(boxes, scores, labels, config_.nms_threshold, config_.max_detections)) {
-    best.push_back(candidates[static_cast<std::size_t>(i)]);
+ArenaVector<Yolov5Candidate> Yolov5::best_candidates(const Yolov5Output& output, Arena& arena) const {
+  ArenaVector<Yolov5Candidate> best(arena, static_cast<std::size_t>(std::max(config_.max_detections, 0)));
+  const ArenaVector<Yolov5Candidate> found = head_.decode(
+      output, config_.score_threshold, static_cast<std::size_t>(std::max(config_.max_candidates, 0)), arena);
+  Candidates candidates(arena, found.capacity());
+  for (const Yolov5Candidate& candidate : found)
+    candidates.add(candidate.box, candidate.score, candidate.label);
+  const NmsOptions options{config_.nms_threshold, config_.max_detections, shape_.classes};
+  for (const int i : batched_nms(candidates, options, arena)) {
+    best.push_back(found[static_cast<std::size_t>(i)]);
   }
   return best;
 }
 
-std::vector<Detection> Yolov5::detect(const cv::Mat& image, Arena& arena) const {
-  const LetterboxedImage input =
-      letterbox_image(image, config_.letterbox, arena, Yolov5Features::kImageBorder);
-  const Yolov5Output output = forward(input.map, arena);
-  const std::vector<Yolov5Candidate> candidates = best_candidates(output);
+void Yolov5::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const {
+  const LetterboxFrame input = letterbox_frame(image, config_.letterbox);
+  const Arena::Pass pass(arena, this, input.map_height, input.map_width);
+  const Yolov5Output output =
+      forward(letterbox_image(image, config_.letterbox, arena, Yolov5Features::kImageBorder), arena);
+  const ArenaVector<Yolov5Candidate> candidates = best_candidates(output, arena);
 
   const auto left = static_cast<float>(input.left), top = static_cast<float>(input.top);
   const auto width = static_cast<float>(image.cols), height = static_cast<float>(image.rows);
   // Prototypes have a quarter of the input's resolution.
   const PrototypeFrame frame{0.25F * left, 0.25F * top, 0.25F * static_cast<float>(input.width) / width,
                              0.25F * static_cast<float>(input.height) / height};
-  std::vector<Detection> detections(candidates.size());
+  const std::size_t prototype_pixels = static_cast<std::size_t>(output.prototypes.height()) *
+                                       static_cast<std::size_t>(output.prototypes.width());
+  const ArenaBuffer scratch =  // of each thread
+      arena.allocate(static_cast<std::size_t>(omp_get_max_threads()) * prototype_pixels);
+  detections.resize(candidates.size());
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t d = 0; d < candidates.size(); ++d) {
     const Yolov5Candidate& candidate = candidates[d];
@@ -67,11 +66,15 @@ std::vector<Detection> Yolov5::detect(const cv::Mat& image, Arena& arena) const 
                          width, height);
     detection.score = candidate.score;
     detection.label = category_of_class(candidate.label, shape_.classes);
-    if (!has_masks()) continue;
-    detection.mask = prototype_mask(output.prototypes, head_.coefficients(output, candidate), frame,
-                                    detection.box, image.cols, image.rows, config_.mask_threshold);
+    if (!has_masks()) {
+      detection.mask = {};
+      continue;
+    }
+    const std::span<float> probabilities(
+        scratch.data() + static_cast<std::size_t>(omp_get_thread_num()) * prototype_pixels, prototype_pixels);
+    prototype_mask(output.prototypes, head_.coefficients(output, candidate), frame, detection.box, image.cols,
+                   image.rows, config_.mask_threshold, probabilities, detection.mask);
   }
-  return detections;
 }
 
 }  // namespace penumbra::nn

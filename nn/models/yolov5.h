@@ -39,15 +39,16 @@ class Yolov5 : public InstanceSegmenter {
   bool has_masks() const override { return head_.has_masks(); }
   const Yolov5Shape& shape() const { return shape_; }
 
-  std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const override;
+  using InstanceSegmenter::detect;
+  void detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const override;
 
   // The network alone, without what comes before and after. `image` is [1, 3, H, W] in blocks of 4, extents
   // multiples of 32.
-  Yolov5Output forward(const FeatureMap& image, Arena& arena) const;
+  Yolov5Output forward(FeatureMap image, Arena& arena) const;
   const Yolov5Head& head() const { return head_; }
 
  private:
-  std::vector<Yolov5Candidate> best_candidates(const Yolov5Output& output) const;
+  ArenaVector<Yolov5Candidate> best_candidates(const Yolov5Output& output, Arena& arena) const;
 
   Yolov5Config config_;
   Yolov5Shape shape_;

@@ -46,18 +46,22 @@ Yolov5Features::Yolov5Features(WeightReader& weights, const Yolov5Shape& shape) 
   bottom_up_[1] = {conv(21, {c[3], c[3], 3, 2}), c3(23, 2 * c[3], c[4])};
 }
 
-std::array<FeatureMap, 3> Yolov5Features::operator()(const FeatureMap& image, Arena& arena) const {
+std::array<FeatureMap, 3> Yolov5Features::operator()(FeatureMap image, Arena& arena) const {
   // Maps that a 3 x 3 convolution reads get a border of 1.
   const auto stage = [&](std::size_t k, const FeatureMap& x, int border) {
     return stages_[k].c3(stages_[k].down(x, arena), arena, border);
   };
-  FeatureMap p3 = stage(1, stage(0, stem_(image, arena, 1), 1), 1);
+  FeatureMap p = stem_(image, arena, 1);
+  image = FeatureMap();  // here and below: gives its memory back
+  p = stage(0, p, 1);
+  FeatureMap p3 = stage(1, p, 1);
+  p = FeatureMap();
   const FeatureMap p4 = stage(2, p3, 1);
   const FeatureMap t5 = lateral5_(sppf_(stage(3, p4, 0), arena), arena);
   const FeatureMap t4 = lateral4_(top_down4_(join_upsampled(t5, p4, arena), arena), arena);
   std::array<FeatureMap, 3> maps;
   maps[0] = top_down3_(join_upsampled(t4, p3, arena), arena, 1);
-  p3 = FeatureMap();  // give its memory back
+  p3 = FeatureMap();
   maps[1] = bottom_up_[0].c3(join(bottom_up_[0].down(maps[0], arena), t4, arena), arena, 1);
   maps[2] = bottom_up_[1].c3(join(bottom_up_[1].down(maps[1], arena), t5, arena), arena);
   return maps;

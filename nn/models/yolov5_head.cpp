@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <tuple>
+
 #include "nn/layers/activations.h"
 #include "nn/layers/upsample.h"
 
@@ -21,6 +24,24 @@ float channel(const float* pixel, std::ptrdiff_t block_stride, int c) {
 }
 
 float square(float x) { return x * x; }
+
+// The order in which decode meets candidates.
+bool earlier(const Yolov5Candidate& a, const Yolov5Candidate& b) {
+  return std::tie(a.level, a.anchor, a.row, a.column, a.label) <
+         std::tie(b.level, b.anchor, b.row, b.column, b.label);
+}
+
+bool better(const Yolov5Candidate& a, const Yolov5Candidate& b) {
+  return a.score != b.score ? a.score > b.score : earlier(a, b);
+}
+
+// `heap` has the worst on top.
+void replace_worst(ArenaVector<Yolov5Candidate>& heap, const Yolov5Candidate& candidate) {
+  if (heap.empty() || !better(candidate, *heap.begin())) return;
+  std::pop_heap(heap.begin(), heap.end(), better);
+  heap[heap.size() - 1] = candidate;
+  std::push_heap(heap.begin(), heap.end(), better);
+}
 
 }  // namespace
 
@@ -61,8 +82,10 @@ Yolov5Output Yolov5Head::operator()(const std::array<FeatureMap, 3>& maps, Arena
   return output;
 }
 
-std::vector<Yolov5Candidate> Yolov5Head::decode(const Yolov5Output& output, float threshold) const {
-  std::vector<Yolov5Candidate> candidates;
+ArenaVector<Yolov5Candidate> Yolov5Head::decode(const Yolov5Output& output, float threshold,
+                                                std::size_t capacity, Arena& arena) const {
+  ArenaVector<Yolov5Candidate> candidates(arena, capacity);
+  bool chosen = false;  // not all had room
   for (std::size_t level = 0; level < 3; ++level) {
     const FeatureMap& map = output.levels[level];
     const auto stride = static_cast<float>(kStrides[level]);
@@ -83,13 +106,21 @@ std::vector<Yolov5Candidate> Yolov5Head::decode(const Yolov5Output& output, floa
           const Box box{x - half_width, y - half_height, x + half_width, y + half_height};
           for (int c = 0; c < classes_; ++c) {
             const float score = objectness * t(kBoxValues + c);
-            if (score > threshold)
-              candidates.push_back({box, score, c, static_cast<int>(level), a, row, column});
+            if (!(score > threshold)) continue;
+            const Yolov5Candidate candidate{box, score, c, static_cast<int>(level), a, row, column};
+            if (candidates.size() < capacity) {
+              candidates.push_back(candidate);
+            } else {
+              if (!chosen) std::make_heap(candidates.begin(), candidates.end(), better);
+              chosen = true;
+              replace_worst(candidates, candidate);
+            }
           }
         }
       }
     }
   }
+  if (chosen) std::sort(candidates.begin(), candidates.end(), earlier);
   return candidates;
 }
 

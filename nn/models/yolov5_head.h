@@ -12,11 +12,12 @@
 #pragma once
 
 #include <array>
-#include <vector>
+#include <cstddef>
 
 #include "nn/layers/box.h"
 #include "nn/models/yolov5_blocks.h"
 #include "nn/models/yolov5_shape.h"
+#include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
@@ -43,9 +44,10 @@ class Yolov5Head {
 
   Yolov5Output operator()(const std::array<FeatureMap, 3>& maps, Arena& arena) const;
 
-  // All candidates of objectness and score above `threshold`, level by level, anchor by anchor, row by row; a
-  // box comes once for each class that passes.
-  std::vector<Yolov5Candidate> decode(const Yolov5Output& output, float threshold) const;
+  // The candidates of objectness and score above `threshold`, or where there are more than `capacity` the
+  // best of them; level by level, anchor by anchor, row by row. A box comes once for each class that passes.
+  ArenaVector<Yolov5Candidate> decode(const Yolov5Output& output, float threshold, std::size_t capacity,
+                                      Arena& arena) const;
 
   // The candidate's 32 mask coefficients.
   std::array<float, kPrototypes> coefficients(const Yolov5Output& output,

@@ -1,6 +1,8 @@
 #include "nn/tensor/arena.h"
 
-#include <cstdlib>
+#include <omp.h>
+
+#include <algorithm>
 #include <new>
 #include <utility>
 
@@ -9,47 +11,167 @@ namespace penumbra::nn {
 namespace {
 
 constexpr std::size_t kAlignment = 64;  // a cache line, and the widest vector
+// Schedules that are remembered: enough for a few cameras and networks; the one unused for longest is
+// forgotten.
+constexpr std::size_t kMostSchedules = 16;
+
+float* allocate_memory(std::size_t bytes) {
+  return static_cast<float*>(::operator new (bytes, std::align_val_t{kAlignment}));
+}
+
+void free_memory(float* data) { ::operator delete (data, std::align_val_t{kAlignment}); }
 
 }  // namespace
 
 ArenaBuffer& ArenaBuffer::operator=(ArenaBuffer&& other) noexcept {
-  if (this != &other) {
-    release();
-    arena_ = std::exchange(other.arena_, nullptr);
-    slot_ = other.slot_;
-    data_ = std::exchange(other.data_, nullptr);
-  }
+  if (this == &other) return *this;
+  release();
+  arena_ = std::exchange(other.arena_, nullptr);
+  data_ = std::exchange(other.data_, nullptr);
+  bytes_ = other.bytes_;
+  index_ = other.index_;
+  pass_ = other.pass_;
+  in_block_ = other.in_block_;
   return *this;
 }
 
 void ArenaBuffer::release() {
-  if (arena_ != nullptr) arena_->slots_[slot_].in_use = false;
+  if (arena_ != nullptr) arena_->release(*this);
   arena_ = nullptr;
 }
 
-void Arena::Free::operator()(float* data) const { std::free(data); }
-
-ArenaBuffer Arena::allocate(std::size_t count) {
-  std::size_t best = slots_.size();
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    const Slot& slot = slots_[i];
-    if (slot.in_use || slot.capacity < count) continue;
-    if (best == slots_.size() || slot.capacity < slots_[best].capacity) best = i;
-  }
-  if (best == slots_.size()) {
-    const std::size_t bytes = (count * sizeof(float) + kAlignment) / kAlignment * kAlignment;
-    auto* data = static_cast<float*>(std::aligned_alloc(kAlignment, bytes));
-    if (data == nullptr) throw std::bad_alloc();
-    slots_.push_back({std::unique_ptr<float, Free>(data), bytes / sizeof(float), false});
-  }
-  slots_[best].in_use = true;
-  return {this, best, slots_[best].data.get()};
+Arena::Pass::Pass(Arena& arena, const void* network, int height, int width)
+    : arena_(arena.in_pass_ ? nullptr : &arena) {
+  if (arena_ != nullptr) arena_->begin({network, height, width, omp_get_max_threads()});
 }
 
-std::size_t Arena::bytes() const {
-  std::size_t total = 0;
-  for (const Slot& slot : slots_) total += slot.capacity * sizeof(float);
-  return total;
+Arena::Pass::~Pass() {
+  if (arena_ != nullptr) arena_->end();
+}
+
+void Arena::begin(const Key& key) {
+  in_pass_ = true;
+  ++pass_;
+  next_step_ = next_buffer_ = 0;
+  // Somebody still holds a buffer of an earlier pass: its place in the block is taken.
+  if (block_users_ > 0) return;
+
+  const auto known = std::find_if(schedules_.begin(), schedules_.end(),
+                                  [&](const Schedule& schedule) { return schedule.key == key; });
+  current_ = static_cast<std::size_t>(known - schedules_.begin());
+  if (known != schedules_.end()) {
+    mode_ = Mode::replaying;
+  } else {
+    mode_ = Mode::recording;
+    ++recordings_;
+    if (schedules_.size() < kMostSchedules) {
+      schedules_.emplace_back();
+    } else {
+      current_ = static_cast<std::size_t>(
+          std::min_element(schedules_.begin(), schedules_.end(),
+                           [](const Schedule& a, const Schedule& b) { return a.last_pass < b.last_pass; }) -
+          schedules_.begin());
+      schedules_[current_] = {};
+    }
+    schedules_[current_].key = key;
+    free_block();  // else the pass would need both
+  }
+  schedules_[current_].last_pass = pass_;
+}
+
+void Arena::end() {
+  if (mode_ == Mode::recording) {
+    try {
+      make_plan(schedules_[current_]);
+      make_block();
+    } catch (const std::bad_alloc&) {
+      schedules_[current_].key = {};  // without a plan, then
+    }
+  }
+  mode_ = Mode::loose;
+  in_pass_ = false;
+}
+
+void Arena::make_plan(Schedule& schedule) const {
+  std::vector<BufferLifetime> buffers(next_buffer_);
+  for (std::size_t t = 0; t < schedule.steps.size(); ++t) {
+    const Step& step = schedule.steps[t];
+    if (step.bytes > 0) {
+      buffers[step.buffer] = {step.bytes, t, schedule.steps.size()};
+    } else {
+      buffers[step.buffer].last = t;
+    }
+  }
+  schedule.plan = plan_memory(buffers);
+}
+
+void Arena::step(const Step& step) {
+  if (mode_ == Mode::loose) return;
+  Schedule& schedule = schedules_[current_];
+  if (mode_ == Mode::recording) {
+    schedule.steps.push_back(step);
+    return;
+  }
+  if (next_step_ < schedule.steps.size() && schedule.steps[next_step_] == step) {
+    ++next_step_;
+    return;
+  }
+  mode_ = Mode::loose;
+  schedule.key = {};  // the next pass of this shape finds none
+}
+
+ArenaBuffer Arena::allocate(std::size_t count) {
+  if (mode_ == Mode::recording) {
+    // Room for two steps a buffer, so that noting a release cannot fail.
+    std::vector<Step>& steps = schedules_[current_].steps;
+    if (steps.capacity() < 2 * (next_buffer_ + 1)) steps.reserve(4 * (next_buffer_ + 1));
+  }
+  ArenaBuffer buffer;
+  buffer.bytes_ =
+      std::max((count * sizeof(float) + kAlignment - 1) / kAlignment, std::size_t{1}) * kAlignment;
+  if (in_pass_) {
+    buffer.pass_ = pass_;
+    buffer.index_ = next_buffer_++;
+    step({buffer.index_, buffer.bytes_});
+  }
+  if (mode_ == Mode::replaying) {
+    buffer.data_ = block_ + schedules_[current_].plan.offsets[buffer.index_] / sizeof(float);
+    buffer.in_block_ = true;
+    ++block_users_;
+  } else {
+    buffer.data_ = allocate_memory(buffer.bytes_);
+    hold(buffer.bytes_);
+  }
+  buffer.arena_ = this;
+  return buffer;
+}
+
+void Arena::release(const ArenaBuffer& buffer) {
+  if (in_pass_ && buffer.pass_ == pass_) step({buffer.index_, 0});
+  if (buffer.in_block_) {
+    --block_users_;
+  } else {
+    free_memory(buffer.data_);
+    held_ -= buffer.bytes_;
+  }
+}
+
+void Arena::make_block() {
+  for (const Schedule& schedule : schedules_) block_bytes_ = std::max(block_bytes_, schedule.plan.bytes);
+  if (block_bytes_ == 0) return;
+  block_ = allocate_memory(block_bytes_);
+  hold(block_bytes_);
+}
+
+void Arena::free_block() {
+  if (block_ == nullptr) return;
+  free_memory(std::exchange(block_, nullptr));
+  held_ -= std::exchange(block_bytes_, 0);
+}
+
+void Arena::hold(std::size_t bytes) {
+  held_ += bytes;
+  peak_ = std::max(peak_, held_);
 }
 
 }  // namespace penumbra::nn

@@ -7,12 +7,12 @@
 
 namespace penumbra::nn {
 
-FeatureMap::FeatureMap(Arena& arena, int images, int channels, int height, int width, int border, int block)
-    : images_(images), channels_(channels), height_(height), width_(width), border_(border), block_(block) {
-  data_ = arena.allocate(static_cast<std::size_t>(image_stride()) * static_cast<std::size_t>(images));
+FeatureMap::FeatureMap(Arena& arena, Batch batch, int channels, int height, int width, int border, int block)
+    : batch_(batch), channels_(channels), height_(height), width_(width), border_(border), block_(block) {
+  data_ = arena.allocate(static_cast<std::size_t>(image_stride()) * static_cast<std::size_t>(batch.capacity));
   if (border == 0) return;
   const std::size_t side = static_cast<std::size_t>(border) * block;
-  for (int n = 0; n < images; ++n) {
+  for (int n = 0; n < batch.images; ++n) {
     for (int b = 0; b < blocks(); ++b) {
       std::fill_n(pixel(n, b, -border, -border), border * row_stride(), 0.0F);
       std::fill_n(pixel(n, b, height, -border), border * row_stride(), 0.0F);
@@ -56,7 +56,7 @@ Tensor to_tensor(const FeatureMap& map) {
 }
 
 FeatureMap with_border(const FeatureMap& map, Arena& arena, int border) {
-  FeatureMap copy(arena, map.images(), map.channels(), map.height(), map.width(), border, map.block());
+  FeatureMap copy(arena, map.batch(), map.channels(), map.height(), map.width(), border, map.block());
   const std::size_t row = static_cast<std::size_t>(map.width()) * map.block() * sizeof(float);
   for (int n = 0; n < map.images(); ++n) {
     for (int b = 0; b < map.blocks(); ++b) {

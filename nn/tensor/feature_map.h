@@ -18,13 +18,23 @@ namespace penumbra::nn {
 constexpr int kBlock = 16;      // channels of an activation's block
 constexpr int kImageBlock = 4;  // channels of an image's block
 
+// The images of a map, and how many it has room for: maps of regions, whose number depends on the picture,
+// ask for the same memory whatever it shows.
+struct Batch {
+  int images = 0, capacity = 0;
+  Batch() = default;
+  Batch(int count) : images(count), capacity(count) {}  // NOLINT: a number of images is a batch
+  Batch(int count, int most) : images(count), capacity(most) {}
+};
+
 class FeatureMap {
  public:
   FeatureMap() = default;
   // Pixels are uninitialised, the border is zero.
-  FeatureMap(Arena& arena, int images, int channels, int height, int width, int border, int block = kBlock);
+  FeatureMap(Arena& arena, Batch batch, int channels, int height, int width, int border, int block = kBlock);
 
-  int images() const { return images_; }
+  int images() const { return batch_.images; }
+  Batch batch() const { return batch_; }
   int channels() const { return channels_; }
   int height() const { return height_; }
   int width() const { return width_; }
@@ -46,11 +56,9 @@ class FeatureMap {
     return const_cast<FeatureMap*>(this)->pixel(n, b, y, x);
   }
 
-  // The same pixels for fewer images: the first `count` of them.
-  void keep_images(int count) { images_ = count; }
-
  private:
-  int images_ = 0, channels_ = 0, height_ = 0, width_ = 0, border_ = 0, block_ = kBlock;
+  Batch batch_;
+  int channels_ = 0, height_ = 0, width_ = 0, border_ = 0, block_ = kBlock;
   ArenaBuffer data_;
 };
 

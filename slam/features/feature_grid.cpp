@@ -5,8 +5,10 @@ namespace penumbra::slam {
 FeatureGrid::FeatureGrid(const std::vector<Keypoint>& keypoints, int width, int height)
     : width_(static_cast<float>(width)),
       height_(static_cast<float>(height)),
-      columns_(std::max(1, static_cast<int>(std::ceil(width_ / kCellSize)))),
-      rows_(std::max(1, static_cast<int>(std::ceil(height_ / kCellSize)))),
+      cell_size_(std::max(kSmallestCell,
+                          std::sqrt(width_ * height_ / (64.0F * static_cast<float>(keypoints.size() + 64))))),
+      columns_(std::max(1, static_cast<int>(std::ceil(width_ / cell_size_)))),
+      rows_(std::max(1, static_cast<int>(std::ceil(height_ / cell_size_)))),
       begin_(static_cast<std::size_t>(columns_ * rows_ + 1), 0),
       entries_(keypoints.size()) {
   // Counting sort by cell.

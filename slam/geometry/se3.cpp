@@ -57,6 +57,35 @@ Vector6d SE3::log() const {
   return xi;
 }
 
+Matrix6d adjoint(const SE3& T) {
+  Matrix6d Ad = Matrix6d::Zero();
+  Ad.topLeftCorner<3, 3>() = Ad.bottomRightCorner<3, 3>() = T.rotation;
+  Ad.topRightCorner<3, 3>() = skew(T.translation) * T.rotation;
+  return Ad;
+}
+
+Matrix6d left_jacobian_inverse(const Vector6d& xi) {
+  const Eigen::Vector3d phi = xi.tail<3>();
+  const Eigen::Matrix3d P = skew(phi), R = skew(xi.head<3>());
+  const double a = phi.norm(), a2 = a * a;
+  // Q of Barfoot (7.86) with rho -> R, phi -> P; the coefficients by their series near zero.
+  double c1 = 1.0 / 6.0 - a2 / 120.0, c2 = 1.0 / 24.0 - a2 / 720.0, c3 = 1.0 / 120.0 - a2 / 2520.0;
+  if (a > 0.05) {
+    const double sine = std::sin(a), cosine = std::cos(a), a3 = a2 * a;
+    c1 = (a - sine) / a3;
+    c2 = (a2 + 2.0 * cosine - 2.0) / (2.0 * a2 * a2);
+    c3 = (2.0 * a - 3.0 * sine + a * cosine) / (2.0 * a2 * a3);
+  }
+  const Eigen::Matrix3d PR = P * R, RP = R * P, PRP = P * RP;
+  const Eigen::Matrix3d Q =
+      0.5 * R + c1 * (PR + RP + PRP) + c2 * (P * PR + RP * P - 3.0 * PRP) + c3 * (PRP * P + P * PRP);
+  const Eigen::Matrix3d J_inverse = left_jacobian(phi).inverse();
+  Matrix6d result = Matrix6d::Zero();
+  result.topLeftCorner<3, 3>() = result.bottomRightCorner<3, 3>() = J_inverse;
+  result.topRightCorner<3, 3>() = -J_inverse * Q * J_inverse;
+  return result;
+}
+
 void SE3::normalize() { rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix(); }
 
 }  // namespace penumbra::slam

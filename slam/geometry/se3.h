@@ -45,4 +45,11 @@ struct SE3 {
   bool is_finite() const { return rotation.allFinite() && translation.allFinite(); }
 };
 
+// Ad(T), which carries a small motion through T:  T exp(xi) T^-1 = exp(Ad(T) xi);  [ R  [t]x R ; 0  R ].
+Matrix6d adjoint(const SE3& T);
+
+// J^-1 of the left Jacobian of SE(3) at xi:  log(exp(x) exp(xi)) = xi + J^-1(xi) x + O(|x|^2). The right one
+// is J_r^-1(xi) = J^-1(-xi). Barfoot (2017), equations 7.86 and 7.95.
+Matrix6d left_jacobian_inverse(const Vector6d& xi);
+
 }  // namespace penumbra::slam

@@ -27,6 +27,10 @@ struct KeyFrame {
   std::vector<MapPoint*> points;      // per feature; nullptr where it shows no point
   std::vector<Covisible> covisibles;  // most shared points first
 
+  // Keyframes of one sub-map are tied to each other by points. Where the way was lost and nothing was
+  // recognised a new sub-map begins, at a guessed pose, until a loop merges it into the older one.
+  int submap = 0;
+
   // An erased keyframe keeps only its place relative to the keyframe that stands in for it.
   bool erased = false;
   KeyFrame* stand_in = nullptr;

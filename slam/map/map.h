@@ -43,6 +43,9 @@ class Map {
   // The first keyframe is never erased: it holds the world's origin.
   void erase_keyframe(KeyFrame* keyframe);
 
+  // Number of a new sub-map (slam/map/keyframe.h); the first is 0.
+  int begin_submap() { return ++newest_submap_; }
+
   // Recomputes a point's descriptor, normal and reference distance after its observations or position
   // changed.
   void update_point(MapPoint* point) const;
@@ -58,6 +61,7 @@ class Map {
   std::vector<KeyFrame*> active_keyframes_;
   std::vector<std::unique_ptr<MapPoint>> points_;
   int next_point_id_ = 0;
+  int newest_submap_ = 0;
 };
 
 // Index of `keyframe`'s feature that shows `point`; -1 where none does.

@@ -1,7 +1,10 @@
-// Writes a map as a PLY point cloud, which MeshLab, CloudCompare and Blender open.
+// A map as a PLY point cloud, which MeshLab, CloudCompare and Blender open.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "slam/map/map.h"
 
@@ -11,5 +14,13 @@ namespace penumbra::slam {
 // per vertex x, y, z (float, metres, world) and red, green, blue (uchar). Written under a temporary name and
 // then renamed; throws Error where that fails.
 void write_ply(const std::filesystem::path& path, const Map& map);
+
+struct PlyVertex {
+  std::array<float, 3> position;       // metres
+  std::array<std::uint8_t, 3> colour;  // red, green, blue
+};
+
+// The vertices of a file that write_ply wrote. Throws InputError for any other, or a torn one.
+std::vector<PlyVertex> read_ply(const std::filesystem::path& path);
 
 }  // namespace penumbra::slam

@@ -1,8 +1,10 @@
 #include "slam/mapping/bundle_adjustment.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
+#include <memory>
+
+#include "slam/mapping/reduced_camera_system.h"
 
 namespace penumbra::slam {
 
@@ -27,6 +29,7 @@ class Solver {
     begin_.assign(points + 1, 0);
     for (const BundleObservation& o : problem.observations) ++begin_[static_cast<std::size_t>(o.point) + 1];
     for (std::size_t j = 1; j < begin_.size(); ++j) begin_[j] += begin_[j - 1];
+    reduced_ = std::make_unique<ReducedCameraSystem>(free_poses_, neighbours());
   }
 
   double cost(const std::vector<SE3>& poses, const std::vector<Eigen::Vector3d>& points) const {
@@ -58,21 +61,15 @@ class Solver {
 
   // Solves the damped equations; false where they are singular.
   bool solve(double lambda, BundleStep& step) {
-    const int n = 6 * free_poses_;
-    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);  // upper triangle
-    Eigen::VectorXd right = -g_poses_;
+    reduced_->set_zero();
+    Eigen::VectorXd right = -g_poses_, dx;
     for (int a = 0; a < free_poses_; ++a) {
-      S.block<6, 6>(6 * a, 6 * a) = U_[std::size_t(a)];
-      S.block<6, 6>(6 * a, 6 * a).diagonal() *= 1.0 + lambda;
+      Matrix6d U = U_[std::size_t(a)];
+      U.diagonal() *= 1.0 + lambda;
+      reduced_->block(a, a) = U;
     }
-    for (std::size_t j = 0; j < V_.size(); ++j) eliminate(j, lambda, S, right);
-    Eigen::VectorXd dx = Eigen::VectorXd::Zero(n);
-    if (n > 0) {
-      const Eigen::LDLT<Eigen::MatrixXd, Eigen::Upper> factor(S);
-      if (factor.info() != Eigen::Success) return false;
-      dx = factor.solve(right);
-      if (!dx.allFinite()) return false;
-    }
+    for (std::size_t j = 0; j < V_.size(); ++j) eliminate(j, lambda, right);
+    if (!reduced_->solve(right, dx)) return false;
 
     step.poses.assign(slot_.size(), Vector6d::Zero());
     for (std::size_t i = 0; i < slot_.size(); ++i) {
@@ -125,8 +122,35 @@ class Solver {
     W_[i].noalias() = weight * J_pose.transpose() * J_point;
   }
 
+  // Per free pose the free poses behind it with which it shares a point; empty where nobody needs to know.
+  std::vector<std::vector<int>> neighbours() const {
+    if (free_poses_ <= ReducedCameraSystem::kDensePoses) return {};
+    std::vector<std::vector<int>> behind(static_cast<std::size_t>(free_poses_));
+    std::vector<int> seen_by;
+    for (std::size_t j = 0; j + 1 < begin_.size(); ++j) {
+      seen_by.clear();
+      for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
+        const int a = free_slot(static_cast<std::size_t>(i));
+        if (a >= 0) seen_by.push_back(a);
+      }
+      for (const int a : seen_by) {
+        for (const int b : seen_by) {
+          if (b > a) behind[static_cast<std::size_t>(a)].push_back(b);
+        }
+      }
+      // Keeps the lists short while they grow.
+      for (const int a : seen_by) {
+        std::vector<int>& row = behind[static_cast<std::size_t>(a)];
+        if (row.size() < 4096) continue;
+        std::sort(row.begin(), row.end());
+        row.erase(std::unique(row.begin(), row.end()), row.end());
+      }
+    }
+    return behind;
+  }
+
   // Takes point j out of the equations of the poses.
-  void eliminate(std::size_t j, double lambda, Eigen::MatrixXd& S, Eigen::VectorXd& right) {
+  void eliminate(std::size_t j, double lambda, Eigen::VectorXd& right) {
     Eigen::Matrix3d V = V_[j];
     V.diagonal() *= 1.0 + lambda;
     // A direction that nothing measures (a point that is not seen, say) stays where it is.
@@ -139,7 +163,7 @@ class Solver {
       right.segment<6>(6 * a).noalias() += Y * g_points_[j];
       for (int k = begin_[j]; k < begin_[j + 1]; ++k) {
         const int b = free_slot(std::size_t(k));
-        if (b >= a) S.block<6, 6>(6 * a, 6 * b).noalias() -= Y * W_[std::size_t(k)].transpose();
+        if (b >= a) reduced_->block(a, b).noalias() -= Y * W_[std::size_t(k)].transpose();
       }
     }
   }
@@ -152,6 +176,7 @@ class Solver {
   std::vector<Matrix6d> U_;
   std::vector<Eigen::Matrix3d> V_, V_inverse_;
   std::vector<Matrix63> W_;  // per observation
+  std::unique_ptr<ReducedCameraSystem> reduced_;
   Eigen::VectorXd g_poses_;
   std::vector<Eigen::Vector3d> g_points_;
 };
@@ -166,6 +191,7 @@ BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& setting
   BundleStep step;
   bool linearized = false;
   while (summary.iterations < settings.iterations && lambda < kMaxLambda) {
+    if (settings.stop != nullptr && settings.stop->load(std::memory_order_relaxed)) break;
     ++summary.iterations;
     if (!linearized) solver.linearize();
     linearized = true;

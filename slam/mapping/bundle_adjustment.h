@@ -13,10 +13,11 @@
 //
 // Damping: the diagonals of U and V are multiplied by 1 + lambda. Perturbation T <- exp(dx) T on the left.
 // Cost of an iteration: O(observations * observations per point) for the elimination, O((6 poses)^3) to
-// solve. Source: Triggs et al., Bundle Adjustment - A Modern Synthesis (2000), section 6; Lourakis, Argyros,
-// SBA (2009).
+// solve, or much less where poses share points with few others (reduced_camera_system.h). Source: Triggs et
+// al., Bundle Adjustment - A Modern Synthesis (2000), section 6; Lourakis, Argyros, SBA (2009).
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "slam/geometry/reprojection.h"
@@ -41,7 +42,8 @@ struct BundleSettings {
   int iterations = 10;  // at most
   bool robust = true;   // Huber kernel with the chi-square gate as its bound
   double initial_lambda = 1e-5;
-  double converged = 1e-4;  // relative decrease of the cost that ends the iterations
+  double converged = 1e-4;                  // relative decrease of the cost that ends the iterations
+  const std::atomic<bool>* stop = nullptr;  // set by somebody else: no further iteration begins
 };
 
 struct BundleSummary {

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "slam/features/measurement.h"
-#include "slam/map/projection.h"
+#include "slam/mapping/point_fusion.h"
 
 namespace penumbra::slam {
 
@@ -13,6 +12,8 @@ namespace {
 constexpr int kProbation = 3;
 // Views that a point needs to stay, where a stereo view counts twice.
 constexpr int kLeastWeight = 4;
+// Pixels at level 0 around a projection in which the same point is looked for.
+constexpr float kFusionRadius = 3.0F;
 
 int weight_of(const MapPoint& point) {
   int weight = 0;
@@ -63,48 +64,13 @@ void LocalMapper::fuse_with_neighbours(KeyFrame* keyframe) {
   const std::vector<Covisible> covisibles = keyframe->covisibles;
   for (int n = 0; n < settings_.fuse_neighbours && n < static_cast<int>(covisibles.size()); ++n) {
     KeyFrame* neighbour = covisibles[static_cast<std::size_t>(n)].keyframe;
-    fuse_into(neighbour, std::vector<MapPoint*>(keyframe->points));
-    fuse_into(keyframe, std::vector<MapPoint*>(neighbour->points));
+    fuse_points(camera_, map_, neighbour, std::vector<MapPoint*>(keyframe->points), kFusionRadius);
+    fuse_points(camera_, map_, keyframe, std::vector<MapPoint*>(neighbour->points), kFusionRadius);
   }
   for (MapPoint* point : keyframe->points) {
     if (point != nullptr) map_.update_point(point);
   }
   map_.update_covisibility(keyframe);
-}
-
-// Looks for the points in the keyframe: what is found becomes an observation, or is merged with the point
-// that is there already.
-void LocalMapper::fuse_into(KeyFrame* keyframe, const std::vector<MapPoint*>& points) {
-  FrameMatcherSettings settings;
-  settings.radius = 3.0F;
-  settings.max_distance = 50;
-  settings.ratio = 1.0F;
-  settings.check_rotation = false;
-  std::vector<Projection> projections;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    MapPoint* point = points[i];
-    if (point == nullptr || point->erased || observing_feature(*point, *keyframe) >= 0) continue;
-    std::optional<Projection> projection = project_point(camera_, keyframe->T_cw, *point, map_.scales());
-    if (!projection) continue;
-    projection->source = static_cast<int>(i);
-    projections.push_back(*projection);
-  }
-  for (const Match& match :
-       match_projections(projections, *keyframe->features, {}, map_.scales(), settings)) {
-    MapPoint* point = points[static_cast<std::size_t>(match.source)];
-    if (point->erased) continue;
-    const PixelMeasurement z = measurement_of(*keyframe->features, match.feature, map_.scales());
-    const Eigen::Vector3d e = reprojection_error(camera_, keyframe->T_cw * point->position, z);
-    if (e.squaredNorm() * z.inverse_variance > z.gate()) continue;
-    MapPoint* present = keyframe->points[static_cast<std::size_t>(match.feature)];
-    if (present == nullptr) {
-      map_.add_observation(point, keyframe, match.feature);
-    } else if (present->observations.size() >= point->observations.size()) {
-      map_.merge_points(point, present);
-    } else {
-      map_.merge_points(present, point);
-    }
-  }
 }
 
 void LocalMapper::cull_keyframes(const KeyFrame& newest) {

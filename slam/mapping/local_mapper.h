@@ -37,7 +37,6 @@ class LocalMapper {
   void connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked);
   void cull_recent_points(const KeyFrame& newest);
   void fuse_with_neighbours(KeyFrame* keyframe);
-  void fuse_into(KeyFrame* keyframe, const std::vector<MapPoint*>& points);
   void cull_keyframes(const KeyFrame& newest);
   bool is_redundant(const KeyFrame& keyframe) const;
 

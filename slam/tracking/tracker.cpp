@@ -34,7 +34,9 @@ TrackingReport Tracker::track(Frame& frame) {
   finish(frame, located.success);
   report.state = state_;
   report.wants_keyframe = located.success && wants_keyframe(frame, located.inliers);
-  if (lost_with_view_ >= settings_.lost_before_restart) report.wants_keyframe = start(frame);
+  if (lost_with_view_ >= settings_.lost_before_restart) {
+    report.wants_keyframe = report.starts_submap = start(frame);
+  }
   return report;
 }
 

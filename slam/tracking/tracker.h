@@ -54,6 +54,7 @@ struct TrackingReport {
   int map_inliers = 0;          // map points that agree with the final pose
   bool recovered = false;       // found again by PnP RANSAC
   bool wants_keyframe = false;
+  bool starts_submap = false;  // its keyframe is the first of a new sub-map
 };
 
 class Tracker {

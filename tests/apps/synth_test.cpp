@@ -64,9 +64,49 @@ TEST(Synth, WritesTheKittiLayout) {
   for (const int id : ids) {
     if (id == 0) continue;
     const auto& entry = instances.at(std::to_string(id));
-    EXPECT_TRUE(entry.at("class") == "car" || entry.at("class") == "person");
+    const std::set<std::string> classes{"person", "cyclist", "car", "truck", "sign"};
+    EXPECT_EQ(classes.count(entry.at("class")), 1U) << entry;
     EXPECT_TRUE(entry.at("moving").is_boolean());
   }
+}
+
+TEST(Synth, WritesAnnotationsThatTheEvaluationReads) {
+  const TemporaryDirectory folder;
+  const std::string out = (folder / "street").string();
+  const ProgramResult result =
+      run_penumbra("synth --preset crowded --frames 3 --annotations --colour --out " + out);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::filesystem::path file = folder / "street/annotations/instances.json";
+  const auto coco = nlohmann::json::parse(std::ifstream(file));
+  ASSERT_EQ(coco.at("images").size(), 3U);
+  EXPECT_EQ(coco.at("images")[2].at("file_name"), "sequences/00/image_2/000002.png");
+  EXPECT_TRUE(std::filesystem::exists(folder / "street/sequences/00/image_2/000002.png"));
+  ASSERT_EQ(coco.at("categories").size(), 5U);
+  EXPECT_EQ(coco.at("categories")[3].at("name"), "truck");
+  ASSERT_GT(coco.at("annotations").size(), 15U);
+
+  // The ground truth as its own detections scores 100.
+  auto results = nlohmann::json::array();
+  for (const auto& entry : coco.at("annotations")) {
+    EXPECT_GE(entry.at("area"), 20);
+    EXPECT_EQ(entry.at("iscrowd"), 0);
+    EXPECT_GE(entry.at("occlusion"), 0.0);
+    EXPECT_LT(entry.at("occlusion"), 1.0);
+    EXPECT_TRUE(entry.at("moving").is_boolean());
+    EXPECT_TRUE(entry.at("amodal_segmentation").at("counts").is_string());
+    results.push_back({{"image_id", entry.at("image_id")},
+                       {"category_id", entry.at("category_id")},
+                       {"bbox", entry.at("bbox")},
+                       {"segmentation", entry.at("segmentation")},
+                       {"score", 0.9}});
+  }
+  std::ofstream(folder / "results.json") << results;
+  const ProgramResult scored = run_penumbra("eval-coco --json --annotations " + file.string() +
+                                            " --results " + (folder / "results.json").string());
+  ASSERT_EQ(scored.exit_code, 0) << scored.err;
+  const auto scores = nlohmann::json::parse(scored.out);
+  EXPECT_NEAR(scores.at("bbox").at("AP").get<double>(), 1.0, 1e-9) << scores;
+  EXPECT_NEAR(scores.at("segm").at("AP").get<double>(), 1.0, 1e-9) << scores;
 }
 
 TEST(Synth, RefusesAFolderWithFilesUnlessToldToOverwrite) {

@@ -231,12 +231,47 @@ def coco_result_files():
     yield "bad_object", b"{}"
 
 
+def map_files():
+    camera = struct.pack("<5d2i", 718.0, 718.0, 607.0, 185.0, 0.54, 1241, 376)
+    levels = struct.pack("<I2d", 2, 1.0, 1.2)
+    pose = struct.pack("<12d", 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0)
+
+    def keyframe(frame, pose=pose, u=100.0, level=1):
+        feature = struct.pack("<ffiff32sff", u, 50.0, level, 0.1, 9.0, bytes(32), 60.0, 9.7)
+        return struct.pack("<id", frame, 0.1 * frame) + pose + struct.pack("<I", 1) + feature + bytes(4)
+
+    def point(*observations, x=1.0):
+        head = struct.pack("<3d2i", x, 0.0, 9.7, 3, 2) + bytes(3) + struct.pack("<I", len(observations))
+        return head + b"".join(struct.pack("<II", k, f) for k, f in observations)
+
+    def file(keyframes, points, version=1, levels=levels):
+        body = camera + levels + struct.pack("<I", len(keyframes)) + b"".join(keyframes)
+        body += struct.pack("<I", len(points)) + b"".join(points)
+        return b"PENUMAP\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
+
+    two = [keyframe(0), keyframe(5)]
+    yield "valid_two", file(two, [point((0, 0), (1, 0))])
+    yield "valid_empty", file([], [])
+    yield "bad_version", file(two, [], version=2)
+    yield "bad_feature", file(two, [point((0, 0), (1, 1))])
+    yield "bad_keyframe", file(two, [point((0, 0), (2, 0))])
+    yield "bad_order", file(two, [point((1, 0), (0, 0))])
+    yield "bad_feature_twice", file(two, [point((0, 0)), point((0, 0))])
+    yield "bad_unseen", file(two, [point()])
+    yield "bad_position", file(two, [point((0, 0), x=float("nan"))])
+    yield "bad_rotation", file([keyframe(0, pose=bytes(96))], [])
+    yield "bad_pixel", file([keyframe(0, u=1e9)], [])
+    yield "bad_level", file([keyframe(0, level=2)], [])
+    yield "bad_scales", file([], [], levels=struct.pack("<I2d", 2, 1.0, 0.5))
+    yield "bad_torn", file(two, [])[:-3]
+
+
 def write_all(out):
     seeds = {"pickle": pickles, "torch_zip": zips, "torch_legacy": legacy, "safetensors": safetensors_files,
              "coco_rle": codes, "image_container": images, "image_file": images_for_the_decoder, "number_file": number_files,
              "kitti_calibration": calibrations, "trajectory": trajectories, "class_names": class_lists,
              "frame_range": frame_ranges, "coco_annotations": coco_annotation_files,
-             "coco_results": coco_result_files}
+             "coco_results": coco_result_files, "map_file": map_files}
     for target, make in seeds.items():
         folder = out / target
         folder.mkdir(parents=True, exist_ok=True)

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "tests/support/crc32.h"
+#include "nn/io/crc32.h"
 
 namespace penumbra::fuzz {
 
@@ -16,8 +16,6 @@ std::uint64_t number_at(std::string_view bytes, std::size_t offset, std::size_t 
   return value;
 }
 
-std::uint32_t crc_of(std::string_view bytes) { return test::crc32(std::as_bytes(std::span(bytes))); }
-
 }  // namespace
 
 std::string repair_png(std::string_view bytes) {
@@ -26,12 +24,22 @@ std::string repair_png(std::string_view bytes) {
   for (std::size_t offset = kSignature; offset + kFrame <= bytes.size();) {
     const std::size_t length = __builtin_bswap32(static_cast<std::uint32_t>(number_at(bytes, offset, 4)));
     if (length > bytes.size() - offset - kFrame) break;
-    const std::uint32_t crc = crc_of(bytes.substr(offset + 4, 4 + length));
+    const std::uint32_t crc = nn::crc32(bytes.substr(offset + 4, 4 + length));
     for (std::size_t i = 0; i < 4; ++i) {
       repaired[offset + 8 + length + i] = static_cast<char>(crc >> (24 - 8 * i));
     }
     offset += kFrame + length;
   }
+  return repaired;
+}
+
+std::string repair_map(std::string_view bytes) {
+  constexpr std::size_t kCrc = 12, kSize = 16, kBody = 24;
+  std::string repaired(bytes);
+  if (bytes.size() < kBody) return repaired;
+  const std::uint64_t crc = nn::crc32(bytes.substr(kBody)), size = bytes.size() - kBody;
+  for (std::size_t i = 0; i < 4; ++i) repaired[kCrc + i] = static_cast<char>(crc >> (8 * i));
+  for (std::size_t i = 0; i < 8; ++i) repaired[kSize + i] = static_cast<char>(size >> (8 * i));
   return repaired;
 }
 
@@ -50,7 +58,7 @@ std::string repair_zip(std::string_view bytes) {
                                 number_at(bytes, header + kExtraLength, 2);
     const std::uint64_t size = number_at(bytes, entry + kSize, 4);
     if (begin > bytes.size() || size > bytes.size() - begin) continue;
-    const std::uint32_t crc = crc_of(bytes.substr(begin, size));
+    const std::uint32_t crc = nn::crc32(bytes.substr(begin, size));
     for (std::size_t i = 0; i < 4; ++i) {
       repaired[entry + kCrc + i] = static_cast<char>(crc >> (8 * i));
       repaired[header + kOwnCrc + i] = static_cast<char>(crc >> (8 * i));

@@ -14,4 +14,7 @@ std::string repair_png(std::string_view bytes);
 // header and in the central directory.
 std::string repair_zip(std::string_view bytes);
 
+// `bytes` with the size and the CRC in the header of a map file made right.
+std::string repair_map(std::string_view bytes);
+
 }  // namespace penumbra::fuzz

@@ -24,6 +24,7 @@ constexpr std::array kTargets = {
     Target{"frame_range", read_frame_range},
     Target{"coco_annotations", read_coco_annotations},
     Target{"coco_results", read_coco_results},
+    Target{"map_file", read_map_file},
 };
 
 constexpr std::size_t kLongestMessage = 4096;  // bytes: 64 extents and 64 strides of 64 bits fit

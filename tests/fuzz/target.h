@@ -64,5 +64,6 @@ bool read_class_names(std::string_view bytes);
 bool read_frame_range(std::string_view bytes);
 bool read_coco_annotations(std::string_view bytes);
 bool read_coco_results(std::string_view bytes);
+bool read_map_file(std::string_view bytes);
 
 }  // namespace penumbra::fuzz

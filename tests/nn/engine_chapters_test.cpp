@@ -16,6 +16,7 @@
 #include "nn/layers/nms.h"
 #include "nn/layers/roi_align.h"
 #include "nn/layers/spatial_attention.h"
+#include "nn/tensor/memory_plan.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::nn {
@@ -43,6 +44,15 @@ TEST(EngineChapters, Tensors) {
   EXPECT_EQ(map.pixel(0, 18 / kBlock, 1, 2) + 18 % kBlock - map.pixel(0, 0, -1, -1), 834);
 }
 
+TEST(EngineChapters, Memory) {
+  const std::vector<BufferLifetime> chain{{64, 0, 2}, {640, 1, 3}, {256, 2, 4}, {320, 3, 5}, {128, 4, 6}};
+  const MemoryPlan plan = plan_memory(chain);
+  EXPECT_EQ(plan.offsets, (std::vector<std::size_t>{640, 0, 640, 0, 320}));
+  EXPECT_EQ(plan.bytes, 896U);
+  EXPECT_EQ(most_live_bytes(chain), 896U);
+  EXPECT_EQ(64 + 640 + 256 + 320 + 128, 1408);
+}
+
 TEST(EngineChapters, Convolution) {
   Arena arena;
   const FeatureMap x = to_feature_map(Tensor({1, 1, 3, 3}, {1, 2, 3, 4, 5, 6, 7, 8, 9}), arena);
@@ -62,7 +72,7 @@ TEST(EngineChapters, Attention) {
   SpatialAttention(Tensor({1, 2, 1, 1}, {1, -1})).apply(map, arena);
   expect_values(to_tensor(map), {0.8808F, 1.5F, 4.4040F, 1.5F});
   map = to_feature_map(f, arena);
-  ChannelAttention(Tensor({1, 2}, {1, 0}), Tensor({2, 1}, {1, -1})).apply(map);
+  ChannelAttention(Tensor({1, 2}, {1, 0}), Tensor({2, 1}, {1, -1})).apply(map, arena);
   expect_values(to_tensor(map), {0.9933F, 2.9799F, 0.0335F, 0.0201F});
 }
 

@@ -55,5 +55,29 @@ TEST(SE3, NormalizeRestoresTheRotation) {
   EXPECT_LT((pose.rotation * pose.rotation.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
 }
 
+TEST(SE3, TheAdjointCarriesAMotionThroughAPose) {
+  std::mt19937 random(5);
+  const SE3 T = SE3::exp(random_twist(random, 1.0));
+  const Vector6d xi = random_twist(random, 0.7);
+  const SE3 carried = T * SE3::exp(xi) * T.inverse(), expected = SE3::exp(adjoint(T) * xi);
+  EXPECT_LT((carried.rotation - expected.rotation).norm(), 1e-12);
+  EXPECT_LT((carried.translation - expected.translation).norm(), 1e-12);
+}
+
+TEST(SE3, TheInverseLeftJacobianIsTheDerivativeOfTheLogarithm) {
+  std::mt19937 random(6);
+  for (const double angle : {0.0, 1e-6, 0.01, 0.049, 0.051, 0.5, 1.5, 3.0}) {
+    const Vector6d xi = random_twist(random, angle);
+    const Matrix6d J_inverse = left_jacobian_inverse(xi);
+    for (int c = 0; c < 6; ++c) {
+      Vector6d step = Vector6d::Zero();
+      step[c] = 1e-6;
+      const Vector6d numeric =
+          ((SE3::exp(step) * SE3::exp(xi)).log() - (SE3::exp(-step) * SE3::exp(xi)).log()) / 2e-6;
+      EXPECT_LT((J_inverse.col(c) - numeric).norm(), 1e-7) << "angle " << angle << ", component " << c;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace penumbra::slam

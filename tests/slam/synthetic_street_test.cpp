@@ -75,7 +75,7 @@ TEST(SyntheticStreet, ACarPassesAndParkedCarsStandOnBothSides) {
   StreetSequence street({});
   bool moves = false, left = false, right = false;
   for (const Object& object : street.world().objects) {
-    if (object.object_class != ObjectClass::car) continue;
+    if (object.object_class != ObjectClass::car && object.object_class != ObjectClass::truck) continue;
     if (object.motion.moves) {
       moves = moves || object.motion.speed < 0.0;
       continue;

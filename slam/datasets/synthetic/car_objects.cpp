@@ -145,7 +145,7 @@ Object& add_car(World& world, RandomSequence& random) {
     bodies.back().material = add_material(world, mirror);
   }
   Object& object = add_object(world, bodies);
-  object.object_class = ObjectClass::car;
+  object.object_class = style.van ? ObjectClass::truck : ObjectClass::car;
   return object;
 }
 

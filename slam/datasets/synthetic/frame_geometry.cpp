@@ -36,6 +36,12 @@ void FrameGeometry::prepare(const World& world, const StereoCamera& camera, cons
   std::stable_sort(bodies_.begin(), bodies_.end(),
                    [](const FrameBody& a, const FrameBody& b) { return a.nearest < b.nearest; });
 
+  if (object_bodies_.size() < objects_.size()) object_bodies_.resize(objects_.size());
+  for (auto& list : object_bodies_) list.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    object_bodies_[static_cast<std::size_t>(bodies_[i].frame_object)].push_back(static_cast<int>(i));
+  }
+
   tiles_x_ = (camera.width + kTileWidth - 1) / kTileWidth;
   tiles_y_ = (camera.height + kTileHeight - 1) / kTileHeight;
   tile_bodies_.resize(static_cast<std::size_t>(tiles()));
@@ -179,21 +185,44 @@ void FrameGeometry::cast(int tile, RayBatch& batch, int count) const {
     float farthest = batch.depth[0];
     for (int i = 1; i < count; ++i) farthest = std::max(farthest, batch.depth[i]);
     if (body.nearest >= farthest) break;  // so are all that follow
-    // Rays of one batch lie within one row: none of them may meet a body of other rows.
-    const float row = batch.y[0] * static_cast<float>(camera_.fy) + static_cast<float>(camera_.cy);
-    if (row < static_cast<float>(body.pixels.y) - 1.0F ||
-        row > static_cast<float>(body.pixels.y + body.pixels.height)) {
-      continue;
-    }
-    // They run from left to right: only those within the body's columns.
-    const float inverse_fx = 1.0F / static_cast<float>(camera_.fx), cx = static_cast<float>(camera_.cx);
-    const float left = (static_cast<float>(body.pixels.x) - 0.5F - cx) * inverse_fx;
-    const float right = (static_cast<float>(body.pixels.x + body.pixels.width) - 0.5F - cx) * inverse_fx;
-    int begin = 0, end = count;
-    while (begin < end && batch.x[begin] < left) ++begin;
-    while (end > begin && batch.x[end - 1] > right) --end;
-    if (begin < end) cast_body(body, number, batch, begin, end);
+    cast_within(body, number, batch, count);
   }
+}
+
+void FrameGeometry::cast_within(const FrameBody& body, std::int32_t number, RayBatch& batch,
+                                int count) const {
+  // Rays of one batch lie within one row: none of them may meet a body of other rows.
+  const float row = batch.y[0] * static_cast<float>(camera_.fy) + static_cast<float>(camera_.cy);
+  if (row < static_cast<float>(body.pixels.y) - 1.0F ||
+      row > static_cast<float>(body.pixels.y + body.pixels.height)) {
+    return;
+  }
+  // They run from left to right: only those within the body's columns.
+  const float inverse_fx = 1.0F / static_cast<float>(camera_.fx), cx = static_cast<float>(camera_.cx);
+  const float left = (static_cast<float>(body.pixels.x) - 0.5F - cx) * inverse_fx;
+  const float right = (static_cast<float>(body.pixels.x + body.pixels.width) - 0.5F - cx) * inverse_fx;
+  int begin = 0, end = count;
+  while (begin < end && batch.x[begin] < left) ++begin;
+  while (end > begin && batch.x[end - 1] > right) --end;
+  if (begin < end) cast_body(body, number, batch, begin, end);
+}
+
+void FrameGeometry::cast_alone(int number, RayBatch& batch, int count) const {
+  for (int i = 0; i < count; ++i) {
+    batch.depth[i] = 1e9F;
+    batch.surface[i] = kSky;
+  }
+  for (const int b : object_bodies_[static_cast<std::size_t>(number)]) {
+    cast_within(bodies_[static_cast<std::size_t>(b)], b, batch, count);
+  }
+}
+
+cv::Rect FrameGeometry::pixels_of(int number) const {
+  cv::Rect pixels;
+  for (const int b : object_bodies_[static_cast<std::size_t>(number)]) {
+    pixels |= bodies_[static_cast<std::size_t>(b)].pixels;
+  }
+  return pixels;
 }
 
 void FrameGeometry::cast_body(const FrameBody& in_frame, std::int32_t number, RayBatch& batch, int begin,

@@ -56,6 +56,12 @@ class FrameGeometry {
   // Sets depth and surface of the first `count` rays of `batch` (x and y given), all within the tile.
   void cast(int tile, RayBatch& batch, int count) const;
 
+  // The same with nothing in the world but frame object `number`: surface is kSky where a ray misses it. The
+  // rays lie within one row and run from left to right.
+  void cast_alone(int number, RayBatch& batch, int count) const;
+  // Pixels outside of which cast_alone finds nothing.
+  cv::Rect pixels_of(int number) const;
+
   int tiles_x() const { return tiles_x_; }
   int tiles() const { return tiles_x_ * tiles_y_; }
   cv::Rect tile_pixels(int tile) const;
@@ -69,12 +75,15 @@ class FrameGeometry {
   // Numbers of the frame objects whose shadows may fall on the ground in the tile.
   const std::vector<int>& shadows(int tile) const { return tile_shadows_[static_cast<std::size_t>(tile)]; }
   const FrameObject& frame_object(int number) const { return objects_[static_cast<std::size_t>(number)]; }
+  int frame_objects() const { return static_cast<int>(objects_.size()); }
   const Eigen::Matrix3f& world_from_camera() const { return world_from_camera_; }
   const Eigen::Vector3d& camera_position() const { return camera_position_; }
   const StereoCamera& camera() const { return camera_; }
 
  private:
   void place(int object, double time);
+  // Casts the rays of `batch` that lie within the body's rectangle.
+  void cast_within(const FrameBody& body, std::int32_t number, RayBatch& batch, int count) const;
   void cast_body(const FrameBody& body, std::int32_t number, RayBatch& batch, int begin, int end) const;
   void punch_holes(const FrameBody& body, RayBatch& batch, const float* before,
                    const std::int32_t* surface_before, std::int32_t number, int begin, int end) const;
@@ -87,7 +96,8 @@ class FrameGeometry {
   Eigen::Vector3f down_;  // the ground's normal in camera coordinates
   float height_ = 0.0F;   // of the camera above the ground
   std::vector<FrameObject> objects_;
-  std::vector<FrameBody> bodies_;
+  std::vector<FrameBody> bodies_;                // front to back
+  std::vector<std::vector<int>> object_bodies_;  // numbers of each frame object's bodies
   int tiles_x_ = 0, tiles_y_ = 0;
   std::vector<std::vector<int>> tile_bodies_, tile_shadows_;
 };

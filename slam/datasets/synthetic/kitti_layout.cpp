@@ -6,6 +6,7 @@
 
 #include "nn/base/error.h"
 #include "nn/io/file.h"
+#include "slam/datasets/synthetic/coco_annotations.h"
 #include "slam/datasets/synthetic/street_sequence.h"
 
 namespace penumbra::slam::synthetic {
@@ -94,6 +95,7 @@ void prepare_folder(const fs::path& folder, bool overwrite) {
     for (const char* name : {"image_0", "image_1", "image_2", "image_3", "instances", "depth"}) {
       fs::remove_all(sequence / name, error);
     }
+    fs::remove(folder / "annotations/instances.json", error);
   }
 }
 
@@ -125,14 +127,20 @@ void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool o
   if (sequence.settings().depth) outputs.push_back({root / "depth", &depth});
   for (const Output& output : outputs) make_folder(output.folder);
   make_folder(folder / "poses");
+  if (sequence.settings().annotations) make_folder(folder / "annotations");
   write_calibration(root / "calib.txt", sequence.camera());
   write_trajectory(folder / "poses/00.txt", root / "times.txt", sequence.poses());
   write_instances(root / "instances.json", sequence.world());
 
+  CocoWriter annotations(sequence.settings().size);
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
     if (sequence.settings().depth) depth = encode_depth(frame.left.depth);
     const std::string name = fmt::format("{:06d}.png", i);
+    if (sequence.settings().annotations) {
+      const char* images = sequence.settings().colour ? "image_2" : "image_0";
+      annotations.add(fmt::format("sequences/00/{}/{}", images, name), frame.instances);
+    }
     std::exception_ptr failure;
     const int count = static_cast<int>(outputs.size());
 #pragma omp parallel for schedule(dynamic)
@@ -147,6 +155,9 @@ void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool o
     }
     if (failure) std::rethrow_exception(failure);
     if (progress) progress(i + 1);
+  }
+  if (sequence.settings().annotations) {
+    nn::write_file(folder / "annotations/instances.json", annotations.finish());
   }
 }
 

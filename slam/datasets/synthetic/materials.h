@@ -34,6 +34,7 @@ Appearance facade_appearance(const Material& material, const Body& body, const S
 Appearance roof_appearance(const Material& material, const SurfacePoint& point);
 // Cars and everything small.
 Appearance car_appearance(const Material& material, const Body& body, int face, const SurfacePoint& point);
+Appearance lorry_appearance(const Material& material, const Body& body, const SurfacePoint& point);
 Appearance wheel_appearance(const Material& material, const Body& body, int face, const SurfacePoint& point);
 Appearance plain_appearance(const Material& material, const SurfacePoint& point);
 

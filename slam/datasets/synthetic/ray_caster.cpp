@@ -112,7 +112,7 @@ float RayCaster::ground_light(const Eigen::Vector3f& camera_point, int tile, flo
     // Contact: the nearer to the object's outline on the ground, the less sky is seen.
     const float out_x = std::max({object.lower.x() - p.x(), p.x() - object.upper.x(), 0.0F});
     const float out_z = std::max({object.lower.z() - p.z(), p.z() - object.upper.z(), 0.0F});
-    if (object.object_class == ObjectClass::car) {
+    if (object.object_class == ObjectClass::car || object.object_class == ObjectClass::truck) {
       const float distance = std::sqrt(out_x * out_x + out_z * out_z);
       const float inside = std::min(std::min(p.x() - object.lower.x(), object.upper.x() - p.x()),
                                     std::min(p.z() - object.lower.z(), object.upper.z() - p.z()));
@@ -206,6 +206,9 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
       case Surface::car_body:
       case Surface::car_cabin:
         look = car_appearance(material, body, face, point);
+        break;
+      case Surface::lorry:
+        look = lorry_appearance(material, body, point);
         break;
       case Surface::wheel:
         look = wheel_appearance(material, body, face, point);

@@ -25,6 +25,8 @@ class RayCaster {
   // The view of a pinhole camera (the left one of `camera`; for the right one move T_wc by the baseline).
   // `view` is allocated on the first call and reused.
   void render(const StereoCamera& camera, const SE3& T_wc, double time, RenderedView& view);
+  // The world as the last call of render placed it.
+  const FrameGeometry& geometry() const { return geometry_; }
 
  private:
   void find_surfaces(int tile, RenderedView& view);

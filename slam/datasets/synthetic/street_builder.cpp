@@ -50,6 +50,7 @@ class StreetBuilder {
     shade_static_objects();
     add_traffic();
     add_people();
+    add_cyclists();
     return std::move(world_);
   }
 
@@ -122,12 +123,15 @@ class StreetBuilder {
   void park_cars(const Route& road, int side) {
     double along = random_.uniform(1.0F, 6.0F);
     while (along < road.length()) {
-      const double place = random_.uniform(5.3F, 6.3F);
-      const GroundPose pose = beside(road, along, side, kParkedCentre + random_.uniform(-0.08F, 0.1F));
+      const bool lorry = random_.chance(settings_.lorries);
+      const double place = random_.uniform(5.3F, 6.3F) + (lorry ? 3.5 : 0.0);
+      const GroundPose pose = beside(road, along + 0.5 * place, side,
+                                     kParkedCentre + (lorry ? 0.25F : random_.uniform(-0.08F, 0.1F)));
+      const Footprint area = footprint_of(pose, lorry ? 1.35 : 1.1, lorry ? 4.4 : 2.7);
       const bool wanted = random_.chance(settings_.parked_cars);
-      if (wanted && road_distance(pose.position) > kParkedCentre - 0.5 &&
-          off_track(footprint_of(pose, 1.1, 2.7), 1.2) && bend(road, along) < 0.15) {
-        Object& car = add_car(world_, random_);
+      if (wanted && road_distance(pose.position) > kParkedCentre - 0.5 && off_track(area, 1.2) &&
+          bend(road, along + 0.5 * place) < 0.15) {
+        Object& car = lorry ? add_lorry(world_, random_) : add_car(world_, random_);
         car.pose = pose;
         car.pose.heading += random_.uniform(-0.03F, 0.03F) + (random_.chance(0.12F) ? kPi : 0.0);
         give_instance(car);
@@ -153,7 +157,7 @@ class StreetBuilder {
         } else if (kind < 0.7F) {
           add_lamp(world_, random_).pose = kerb;
         } else if (kind < 0.85F) {
-          add_sign(world_, random_).pose = kerb;
+          give_instance(add_sign(world_, random_, kerb));
         } else {
           add_bin(world_, random_).pose = kerb;
         }
@@ -238,15 +242,34 @@ class StreetBuilder {
     }
   }
 
+  // Cyclists of both directions keep between the lane and the parked cars.
+  void add_cyclists() {
+    const double from = drive_.arc.front(), to = drive_.arc.back() + 60.0;
+    const double span = world_.route.closed() ? std::min(to - from, world_.route.length()) : to - from;
+    const int count =
+        static_cast<int>(std::lround(span * static_cast<double>(settings_.cyclists_per_100m) / 100.0));
+    for (int i = 0; i < count; ++i) {
+      const bool oncoming = random_.chance(0.5F);
+      const double beside_lane = 1.25 + random_.uniform(-0.08F, 0.12F);
+      // Those ahead of the camera start out of its way and are overtaken; oncoming ones start farther on.
+      const double arc = from + 8.0 + span * random_.uniform() * (oncoming ? 1.5 : 1.0);
+      const double speed = random_.uniform(3.2F, 5.0F);
+      Object& cyclist = add_cyclist(world_, random_);
+      cyclist.motion = {true, arc, oncoming ? -speed : speed,
+                        oncoming ? -2.0 * kLaneCentre - beside_lane : beside_lane};
+      give_instance(cyclist);
+    }
+  }
+
   void drive(double start, double speed, double right) {
-    Object& car = add_car(world_, random_);
+    Object& car = random_.chance(settings_.lorries) ? add_lorry(world_, random_) : add_car(world_, random_);
     car.motion = {true, start, speed, right};
     give_instance(car);
   }
 
   void give_instance(Object& object) {
     if (instances_ == std::numeric_limits<std::uint16_t>::max()) {
-      throw UsageError("the drive is too long: its street has more than 65535 cars and people");
+      throw UsageError("the drive is too long: its street has more than 65535 cars, people and signs");
     }
     object.instance = ++instances_;
   }
@@ -265,8 +288,15 @@ class StreetBuilder {
 
 StreetSettings street_preset(const std::string& name) {
   if (name == "street") return {};
-  if (name == "easy") return {0.45F, 12.0F, 0.7F, false};
-  if (name == "crowded") return {0.9F, 2.5F, 8.0F, true};
+  if (name == "easy")
+    return {.parked_cars = 0.45F,
+            .oncoming_seconds = 12.0F,
+            .people_per_100m = 0.7F,
+            .cyclists_per_100m = 0.3F,
+            .car_ahead = false};
+  if (name == "crowded")
+    return {
+        .parked_cars = 0.9F, .oncoming_seconds = 2.5F, .people_per_100m = 8.0F, .cyclists_per_100m = 3.0F};
   throw UsageError(fmt::format("--preset: expected 'street', 'easy' or 'crowded', found '{}'", name));
 }
 

@@ -11,10 +11,12 @@
 namespace penumbra::slam::synthetic {
 
 struct StreetSettings {
-  float parked_cars = 0.6F;       // share of the parking places that are taken
-  float oncoming_seconds = 6.0F;  // between two oncoming cars
-  float people_per_100m = 2.0F;   // walking on the pavements
-  bool car_ahead = true;          // a car drives ahead of the camera and slowly away from it
+  float parked_cars = 0.6F;        // share of the parking places that are taken
+  float oncoming_seconds = 6.0F;   // between two oncoming cars
+  float people_per_100m = 2.0F;    // walking on the pavements
+  float cyclists_per_100m = 1.0F;  // riding between lane and parked cars
+  float lorries = 0.08F;           // share of lorries among parked and oncoming cars
+  bool car_ahead = true;           // a car drives ahead of the camera and slowly away from it
 };
 
 // "easy", "street" or "crowded"; throws UsageError for another name.

@@ -1,25 +1,13 @@
-// Houses, trees, people and street furniture.
+// Houses, trees and street furniture.
 #include "slam/datasets/synthetic/street_objects.h"
 
 #include <cmath>
 
+#include "slam/datasets/synthetic/object_parts.h"
+
 namespace penumbra::slam::synthetic {
 
 namespace {
-
-Body with_material(Body body, int material) {
-  body.material = material;
-  return body;
-}
-
-int plain_material(World& world, RandomSequence& random, const Colour& colour,
-                   Surface surface = Surface::matte) {
-  Material material;
-  material.surface = surface;
-  material.colour = colour;
-  material.seed = random.bits();
-  return add_material(world, material);
-}
 
 Colour pick_wall(RandomSequence& random, bool brick) {
   static const Colour kBricks[] = {{0.38F, 0.15F, 0.09F}, {0.45F, 0.22F, 0.13F}, {0.30F, 0.14F, 0.10F}};
@@ -129,47 +117,6 @@ Object& add_tree(World& world, RandomSequence& random) {
   return add_object(world, bodies);
 }
 
-Object& add_person(World& world, RandomSequence& random) {
-  const float h = random.uniform(1.58F, 1.88F);
-  static const Colour kCloths[] = {{0.45F, 0.06F, 0.05F}, {0.06F, 0.10F, 0.28F}, {0.55F, 0.50F, 0.42F},
-                                   {0.05F, 0.05F, 0.06F}, {0.12F, 0.28F, 0.16F}, {0.60F, 0.60F, 0.62F}};
-  const auto cloth = [&] { return kCloths[random.below(static_cast<int>(std::size(kCloths)))]; };
-  const int shirt = plain_material(world, random, cloth(), Surface::cloth);
-  const int trousers = plain_material(world, random, cloth() * 0.5F, Surface::cloth);
-  const int skin = plain_material(world, random, Colour(0.55F, 0.36F, 0.26F) * random.uniform(0.4F, 1.1F));
-  const int hair = plain_material(world, random, Colour(0.08F, 0.05F, 0.03F));
-  const float stride = random.uniform(0.08F, 0.22F);
-  std::vector<Body> bodies;
-  for (const float side : {-1.0F, 1.0F}) {
-    // Legs and arms lean with the stride: boxes cut along the slant.
-    const float foot = side * stride, hip = 0.47F * h;
-    Body leg =
-        make_swept({{foot - 0.07F, 0.0F}, {foot + 0.16F, 0.0F}, {0.10F, -hip}, {-0.10F, -hip}}, 0.075F);
-    for (int i = 0; i < leg.plane_count; ++i) {  // put it beside the middle
-      Plane& plane = leg.planes[static_cast<std::size_t>(i)];
-      plane.offset -= plane.normal.x() * side * 0.09F;
-    }
-    leg.lower.x() += side * 0.09F;
-    leg.upper.x() += side * 0.09F;
-    bodies.push_back(with_material(leg, trousers));
-    const float hand = -side * stride;
-    bodies.push_back(with_material(
-        make_ellipsoid({side * 0.235F, -0.64F * h, 0.4F * hand}, {0.06F, 0.17F * h, 0.085F}), shirt));
-    bodies.push_back(
-        with_material(make_ellipsoid({side * 0.235F, -0.47F * h, hand}, {0.045F, 0.05F * h, 0.05F}), skin));
-  }
-  Body torso = make_ellipsoid({0.0F, -0.65F * h, 0.0F}, {0.215F, 0.21F * h, 0.135F});
-  torso.casts_shadow = true;
-  bodies.push_back(with_material(torso, shirt));
-  bodies.push_back(
-      with_material(make_ellipsoid({0.0F, -0.925F * h, 0.01F}, {0.085F, 0.075F * h, 0.10F}), skin));
-  bodies.push_back(
-      with_material(make_ellipsoid({0.0F, -0.945F * h, -0.015F}, {0.092F, 0.065F * h, 0.10F}), hair));
-  Object& object = add_object(world, bodies);
-  object.object_class = ObjectClass::person;
-  return object;
-}
-
 Object& add_lamp(World& world, RandomSequence& random) {
   const int metal = plain_material(world, random, Colour::Constant(random.uniform(0.12F, 0.3F)));
   const float height = random.uniform(5.5F, 7.0F);
@@ -182,21 +129,25 @@ Object& add_lamp(World& world, RandomSequence& random) {
   return add_object(world, bodies);
 }
 
-Object& add_sign(World& world, RandomSequence& random) {
+Object& add_sign(World& world, RandomSequence& random, const GroundPose& pose) {
   static const Colour kSigns[] = {{0.55F, 0.03F, 0.03F}, {0.03F, 0.10F, 0.50F}, {0.70F, 0.55F, 0.05F}};
   Material plate;
   plate.surface = Surface::sign;
   plate.colour = kSigns[random.below(static_cast<int>(std::size(kSigns)))];
   plate.seed = random.bits();
   const float height = random.uniform(2.2F, 2.6F);
-  std::vector<Body> bodies{make_cylinder({0.0F, -0.5F * height - 0.15F, 0.0F}, 1, 0.035F, height + 0.3F)};
-  bodies[0].material = plain_material(world, random, Colour::Constant(0.35F));
+  Body post = make_cylinder({0.0F, -0.5F * height - 0.15F, 0.0F}, 1, 0.035F, height + 0.3F);
+  post.material = plain_material(world, random, Colour::Constant(0.35F));
+  add_object(world, {post}).pose = pose;
   const int plate_material = add_material(world, plate);
-  bodies.push_back(with_material(
-      random.chance(0.6F) ? make_cylinder({0.0F, -height, -0.05F}, 2, 0.34F, 0.03F)
-                          : make_box({-0.3F, -height - 0.3F, -0.06F}, {0.3F, -height + 0.3F, -0.03F}),
-      plate_material));
-  return add_object(world, bodies);
+  Object& sign = add_object(
+      world, {with_material(random.chance(0.6F)
+                                ? make_cylinder({0.0F, -height, -0.05F}, 2, 0.34F, 0.03F)
+                                : make_box({-0.3F, -height - 0.3F, -0.06F}, {0.3F, -height + 0.3F, -0.03F}),
+                            plate_material)});
+  sign.object_class = ObjectClass::sign;
+  sign.pose = pose;
+  return sign;
 }
 
 Object& add_bin(World& world, RandomSequence& random) {

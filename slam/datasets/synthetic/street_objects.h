@@ -7,18 +7,23 @@
 
 namespace penumbra::slam::synthetic {
 
-// A car (saloon, hatchback, estate, off-roader or van) looking along +z.
+// A car (saloon, hatchback, estate, off-roader) or van looking along +z; vans are of class truck.
 Object& add_car(World& world, RandomSequence& random);
-// A walking person looking along +z.
+// A lorry with a closed box, `width` metres wide, looking along +z.
+Object& add_lorry(World& world, RandomSequence& random, float width = 2.4F);
+// A walking person and one on a bicycle, looking along +z.
 Object& add_person(World& world, RandomSequence& random);
+Object& add_cyclist(World& world, RandomSequence& random);
 // A house `width` metres wide (along z) and `depth` deep (along x), with its front towards -x.
 Object& add_house(World& world, RandomSequence& random, float width, float depth);
 // A trunk with four to six crowns of leaves.
 Object& add_tree(World& world, RandomSequence& random);
-// A street lamp that reaches towards -x, a traffic sign that looks along -z, a bin, a hedge along z.
+// A street lamp that reaches towards -x, a bin, a hedge along z.
 Object& add_lamp(World& world, RandomSequence& random);
-Object& add_sign(World& world, RandomSequence& random);
 Object& add_bin(World& world, RandomSequence& random);
 Object& add_hedge(World& world, RandomSequence& random, float length);
+// A traffic sign at `pose` that looks along -z: a post, and the plate as an object of its own, which is
+// returned.
+Object& add_sign(World& world, RandomSequence& random, const GroundPose& pose);
 
 }  // namespace penumbra::slam::synthetic

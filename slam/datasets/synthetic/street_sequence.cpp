@@ -60,6 +60,8 @@ void StreetSequence::render(int i, StreetFrame& frame) {
   left_.render(camera_, pose.T_wc, pose.timestamp, frame.left);
   right_.render(camera_, right, pose.timestamp, frame.right);
 
+  if (settings_.annotations) frame.instances = find_instances(left_.geometry(), frame.left);
+
   const float exposure = automatic_exposure(frame.left.radiance, pose.timestamp, settings_.seed);
   std::uint32_t image = 0;
   const auto sensor = [&] {

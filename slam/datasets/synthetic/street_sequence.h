@@ -6,6 +6,7 @@
 #include <string>
 
 #include "slam/datasets/synthetic/camera_sensor.h"
+#include "slam/datasets/synthetic/instance_masks.h"
 #include "slam/datasets/synthetic/ray_caster.h"
 #include "slam/datasets/synthetic/street_builder.h"
 
@@ -17,8 +18,9 @@ struct SequenceSettings {
   int frames = 0;              // 0: 60, or all of a pose file
   cv::Size size{620, 188};     // pixels
   std::uint32_t seed = 1;
-  bool colour = false;  // image_2 and image_3 as well
-  bool depth = false;   // depth of the left image as well
+  bool colour = false;       // image_2 and image_3 as well
+  bool depth = false;        // depth of the left image as well
+  bool annotations = false;  // COCO instances of the left images
 };
 
 // A camera as KITTI's, scaled to `size`: f = 0.58 width, baseline 0.537 m, principal point near the middle.
@@ -27,7 +29,8 @@ StereoCamera street_camera(const cv::Size& size);
 struct StreetFrame {
   RenderedView left, right;
   cv::Mat1b left_grey, right_grey;
-  cv::Mat3b left_bgr, right_bgr;  // where SequenceSettings::colour
+  cv::Mat3b left_bgr, right_bgr;         // where SequenceSettings::colour
+  std::vector<InstanceMasks> instances;  // of the left view; where SequenceSettings::annotations
 };
 
 class StreetSequence {
@@ -59,6 +62,7 @@ class StreetSequence {
 //   sequences/00/instances/NNNNNN.png   16 bits: instance ids of the left image, 0 = background
 //   sequences/00/instances.json         per id: class and whether it moves
 //   sequences/00/depth/NNNNNN.png       16 bits, 256 = 1 m, 0 = sky or beyond 255 m (where settings.depth)
+//   annotations/instances.json          COCO, see coco_annotations.h (where settings.annotations)
 //   poses/00.txt                        T_wc of the left camera, the first the identity
 // `folder` must be missing or empty unless `overwrite`; then what an earlier run wrote there is removed
 // first. `progress` is called after every frame with the number of frames done. Throws UsageError for a

@@ -5,15 +5,9 @@
 namespace penumbra::slam::synthetic {
 
 const char* name_of(ObjectClass object_class) {
-  switch (object_class) {
-    case ObjectClass::background:
-      return "background";
-    case ObjectClass::car:
-      return "car";
-    case ObjectClass::person:
-      return "person";
-  }
-  return "background";
+  static constexpr const char* kNames[kObjectClasses] = {"background", "person", "cyclist",
+                                                         "car",        "truck",  "sign"};
+  return kNames[static_cast<int>(object_class)];
 }
 
 GroundPose pose_at(const World& world, const Object& object, double time) {

@@ -28,6 +28,7 @@ enum class Surface : std::uint8_t {
   leaves,
   cloth,
   sign,
+  lorry,
 };
 
 // The rhythm of a facade, in metres.
@@ -56,8 +57,17 @@ struct Material {
   CarStyle car;
 };
 
-enum class ObjectClass : std::uint8_t { background, car, person };
-const char* name_of(ObjectClass object_class);  // as in COCO
+// The numbers are the category ids of the annotations.
+enum class ObjectClass : std::uint8_t {
+  background = 0,
+  person = 1,
+  cyclist = 2,
+  car = 3,
+  truck = 4,
+  sign = 5
+};
+constexpr int kObjectClasses = 6;
+const char* name_of(ObjectClass object_class);
 
 // Driving along the world's route at constant speed; a negative speed drives against the route's direction.
 struct Motion {

@@ -18,18 +18,20 @@ TEST(AntialiasedResize, EqualsPillowInEveryPixel) {
   for (const nlohmann::json& expected : nlohmann::json::parse(file)) {
     const cv::Mat image = test::random_image(expected["seed"], expected["image"][0], expected["image"][1]);
     const std::vector<int> w = expected["window"];
-    const cv::Mat found =
-        antialiased_resize(image, {expected["size"][0], expected["size"][1]}, {w[0], w[1], w[2], w[3]});
-    const std::vector<std::uint8_t> bytes(found.data, found.data + found.total() * 3);
-    EXPECT_EQ(bytes, expected["pixels"].get<std::vector<std::uint8_t>>()) << expected["image"];
+    Arena arena;
+    const ArenaVector<std::uint8_t> found = antialiased_resize(
+        image, {expected["size"][0], expected["size"][1]}, {w[0], w[1], w[2], w[3]}, arena);
+    EXPECT_EQ(std::vector(found.begin(), found.end()), expected["pixels"].get<std::vector<std::uint8_t>>())
+        << expected["image"];
   }
 }
 
 TEST(AntialiasedResize, WindowsOutsideTheResultAreAnError) {
   const cv::Mat image = test::random_image(1, 8, 8);
-  EXPECT_THROW(antialiased_resize(image, {4, 4}, {1, 0, 4, 4}), InputError);
-  EXPECT_THROW(antialiased_resize(image, {4, 4}, {}), InputError);
-  EXPECT_THROW(antialiased_resize({}, {4, 4}, {0, 0, 4, 4}), InputError);
+  Arena arena;
+  EXPECT_THROW(antialiased_resize(image, {4, 4}, {1, 0, 4, 4}, arena), InputError);
+  EXPECT_THROW(antialiased_resize(image, {4, 4}, {}, arena), InputError);
+  EXPECT_THROW(antialiased_resize({}, {4, 4}, {0, 0, 4, 4}, arena), InputError);
 }
 
 }  // namespace

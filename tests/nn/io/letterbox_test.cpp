@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+#include <random>
+
 #include "nn/base/error.h"
+#include "tests/support/random_network.h"
+#include "tests/support/tensors.h"
 
 namespace penumbra::nn {
 namespace {
@@ -12,31 +17,64 @@ constexpr float kGrey = 114.0F / 255.0F;
 TEST(Letterbox, FramesTheImageUpToTheNextMultipleOfTheStride) {
   Arena arena;
   // 427 x 640 keeps its size; 448 - 427 = 21 columns of frame, 10 on the left.
-  const LetterboxedImage tall = letterbox_image(cv::Mat3b(640, 427, {10, 20, 30}), {}, arena, 0);
-  EXPECT_EQ(tall.map.width(), 448);
-  EXPECT_EQ(tall.map.height(), 640);
+  const cv::Mat3b tall_image(640, 427, {10, 20, 30});
+  const LetterboxFrame tall = letterbox_frame(tall_image, {});
+  const FeatureMap tall_map = letterbox_image(tall_image, {}, arena, 0);
+  EXPECT_EQ(tall_map.width(), 448);
+  EXPECT_EQ(tall_map.height(), 640);
   EXPECT_EQ(tall.left, 10);
   EXPECT_EQ(tall.top, 0);
-  EXPECT_FLOAT_EQ(tall.map.pixel(0, 0, 0, 9)[0], kGrey);
-  EXPECT_FLOAT_EQ(tall.map.pixel(0, 0, 0, 10)[0], 30.0F / 255.0F) << "red first";
-  EXPECT_FLOAT_EQ(tall.map.pixel(0, 0, 639, 436)[2], 10.0F / 255.0F);
-  EXPECT_FLOAT_EQ(tall.map.pixel(0, 0, 639, 437)[2], kGrey);
+  EXPECT_FLOAT_EQ(tall_map.pixel(0, 0, 0, 9)[0], kGrey);
+  EXPECT_FLOAT_EQ(tall_map.pixel(0, 0, 0, 10)[0], 30.0F / 255.0F) << "red first";
+  EXPECT_FLOAT_EQ(tall_map.pixel(0, 0, 639, 436)[2], 10.0F / 255.0F);
+  EXPECT_FLOAT_EQ(tall_map.pixel(0, 0, 639, 437)[2], kGrey);
   // 1241 x 376 shrinks to 640 x 194, framed to 224 rows.
-  const LetterboxedImage wide = letterbox_image(cv::Mat1b(376, 1241, std::uint8_t{51}), {}, arena, 2);
+  const cv::Mat1b wide_image(376, 1241, std::uint8_t{51});
+  const LetterboxFrame wide = letterbox_frame(wide_image, {});
+  const FeatureMap wide_map = letterbox_image(wide_image, {}, arena, 2);
   EXPECT_EQ(wide.width, 640);
   EXPECT_EQ(wide.height, 194);
-  EXPECT_EQ(wide.map.height(), 224);
+  EXPECT_EQ(wide_map.height(), 224);
   EXPECT_EQ(wide.top, 15);
   EXPECT_NEAR(wide.scale, 640.0 / 1241.0, 1e-6);
-  EXPECT_FLOAT_EQ(wide.map.pixel(0, 0, 15, 0)[1], 0.2F) << "grey images have three equal channels";
-  EXPECT_EQ(wide.map.pixel(0, 0, -1, 0)[0], 0.0F) << "the border is zero";
+  EXPECT_FLOAT_EQ(wide_map.pixel(0, 0, 15, 0)[1], 0.2F) << "grey images have three equal channels";
+  EXPECT_EQ(wide_map.pixel(0, 0, -1, 0)[0], 0.0F) << "the border is zero";
+}
+
+TEST(Letterbox, ResizesToTheBytesOfOpenCv) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 60; ++round) {
+    const cv::Mat colour = test::random_image(static_cast<std::uint32_t>(round), test::pick(random, 1, 150),
+                                              test::pick(random, 1, 150));
+    cv::Mat image = colour;
+    if (round % 3 == 0) cv::extractChannel(colour, image, 1);
+    Letterbox letterbox;
+    letterbox.size = round % 5 == 0 ? std::max(image.cols, image.rows) / 2 + 1 : test::pick(random, 1, 130);
+    const LetterboxFrame frame = letterbox_frame(image, letterbox);
+    cv::Mat expected;
+    cv::resize(image, expected, {frame.width, frame.height}, 0, 0, cv::INTER_LINEAR);
+    Arena arena;
+    const FeatureMap map = letterbox_image(image, letterbox, arena, 0);
+    int different = 0;
+    for (int y = 0; y < frame.height; ++y) {
+      for (int x = 0; x < frame.width; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          const int byte = image.channels() == 3 ? 3 * x + 2 - c : x;
+          const float value = static_cast<float>(expected.ptr(y)[byte]) / 255.0F;
+          different += map.pixel(0, 0, frame.top + y, frame.left + x)[c] != value;
+        }
+      }
+    }
+    EXPECT_EQ(different, 0) << image.cols << " x " << image.rows << " to " << frame.width << " x "
+                            << frame.height;
+  }
 }
 
 TEST(Letterbox, TakesThinImagesAndRefusesEmptyOnes) {
   Arena arena;
-  const LetterboxedImage thin = letterbox_image(cv::Mat1b(1, 5000, std::uint8_t{0}), {}, arena, 0);
-  EXPECT_EQ(thin.height, 1);
-  EXPECT_EQ(thin.map.height(), 32);
+  const cv::Mat1b thin(1, 5000, std::uint8_t{0});
+  EXPECT_EQ(letterbox_frame(thin, {}).height, 1);
+  EXPECT_EQ(letterbox_image(thin, {}, arena, 0).height(), 32);
   EXPECT_THROW(letterbox_image({}, {}, arena, 0), InputError);
   EXPECT_THROW(letterbox_image(cv::Mat(4, 4, CV_16UC1), {}, arena, 0), InputError);
 }

@@ -41,7 +41,7 @@ TEST(ChannelAttention, AgreesWithTheReferenceOnRandomShapes) {
     const Tensor expand = random_tensor({channels, hidden}, 200 + trial);
     Arena arena;
     FeatureMap map = to_feature_map(x, arena, 1);
-    ChannelAttention(reduce, expand).apply(map);
+    ChannelAttention(reduce, expand).apply(map, arena);
     expect_close(to_tensor(map), reference::channel_attention(x, reduce, expand));
   }
 }
@@ -145,7 +145,7 @@ TEST(Attention, ZeroWeightsHalveTheMap) {
   SpatialAttention(Tensor({1, 2, 7, 7})).apply(map, arena);
   expect_close(to_tensor(map), half, 0.0F);
   map = to_feature_map(x, arena);
-  ChannelAttention(Tensor({2, 32}), Tensor({32, 2})).apply(map);
+  ChannelAttention(Tensor({2, 32}), Tensor({32, 2})).apply(map, arena);
   expect_close(to_tensor(map), half, 0.0F);
 }
 
@@ -155,7 +155,7 @@ TEST(Attention, WrongShapesAreInputErrors) {
   EXPECT_THROW(ChannelAttention(random_tensor({2, 32}, 1), random_tensor({32, 3}, 1)), InputError);
   Arena arena;
   FeatureMap map = to_feature_map(random_tensor({1, 16, 2, 2}, 1), arena);
-  EXPECT_THROW(ChannelAttention(Tensor({2, 32}), Tensor({32, 2})).apply(map), InputError);
+  EXPECT_THROW(ChannelAttention(Tensor({2, 32}), Tensor({32, 2})).apply(map, arena), InputError);
   EXPECT_THROW(CoordinateAttention(CoordinateAttentionWeights{}), InputError);
   EXPECT_THROW(SelfAttention(SelfAttentionWeights{}), InputError);
   const std::vector<Tensor> two{Tensor({1, 16, 1, 1}), Tensor({1, 16, 1, 1})};

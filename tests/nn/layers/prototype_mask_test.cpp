@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "nn/base/error.h"
 #include "nn/layers/reference/reference.h"
 #include "tests/support/tensors.h"
 
@@ -29,8 +30,10 @@ TEST(PrototypeMask, EqualsTheNaiveVersionOnRandomShapes) {
     if (box.x2 < box.x1) std::swap(box.x1, box.x2);
     if (box.y2 < box.y1) std::swap(box.y1, box.y2);
     Arena arena;
-    const Mask mask =
-        prototype_mask(to_feature_map(prototypes, arena), weights, frame, box, image_width, image_height);
+    Mask mask{0, 0, 1, 1, {1}};  // is overwritten
+    std::vector<float> scratch(static_cast<std::size_t>(height * width));
+    prototype_mask(to_feature_map(prototypes, arena), weights, frame, box, image_width, image_height, 0.5F,
+                   scratch, mask);
     const std::vector<std::uint8_t> expected =
         reference::prototype_mask(prototypes, weights, frame, box, image_width, image_height, 0.5F);
     for (int y = 0; y < image_height; ++y) {
@@ -49,9 +52,13 @@ TEST(PrototypeMask, ABoxWithoutPixelsGivesAnEmptyMask) {
   const std::vector<float> weights{1.0F, -1.0F};
   for (const Box& box :
        {Box{2.0F, 2.0F, 2.0F, 5.0F}, Box{1.2F, 1.2F, 1.8F, 1.8F}, Box{9.0F, 9.0F, 9.0F, 9.0F}}) {
-    const Mask mask = prototype_mask(prototypes, weights, {}, box, 9, 9);
+    Mask mask{0, 0, 1, 1, {1}};
+    std::vector<float> scratch(9);
+    prototype_mask(prototypes, weights, {}, box, 9, 9, 0.5F, scratch, mask);
     EXPECT_TRUE(mask.bits.empty());
     EXPECT_EQ(mask.width * mask.height, 0);
+    EXPECT_THROW(prototype_mask(prototypes, weights, {}, box, 9, 9, 0.5F, std::span(scratch).first(8), mask),
+                 InputError);
   }
 }
 

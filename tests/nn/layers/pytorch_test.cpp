@@ -156,7 +156,7 @@ Outputs spatial_attention_case(const LayerCase& c, Arena& arena) {
 Outputs channel_attention_case(const LayerCase& c, Arena& arena) {
   const Tensor x = c.input("x"), reduce = c.input("reduce"), expand = c.input("expand");
   return in_place(
-      x, arena, [&](FeatureMap& map) { ChannelAttention(reduce, expand).apply(map); },
+      x, arena, [&](FeatureMap& map) { ChannelAttention(reduce, expand).apply(map, arena); },
       reference::channel_attention(x, reduce, expand));
 }
 

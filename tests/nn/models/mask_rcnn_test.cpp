@@ -2,7 +2,6 @@
 #include "nn/models/mask_rcnn.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "nn/io/coco_rle.h"
 #include "nn/io/image_file.h"
 #include "tests/support/random_network.h"
+#include "tests/support/repeatability.h"
 #include "tests/support/runs.h"
 #include "tests/support/test_data.h"
 #include "weights_tools/load_weights.h"
@@ -133,33 +133,14 @@ TEST(MaskRcnn, AttentionLeftOutIsTheBaselineBitForBit) {
                 [](const auto& entry) { return entry.first.find("attention") != std::string::npos; });
   MaskRcnn baseline(weights, small_images());
   const cv::Mat image = test::random_image(3, 80, 60);
-  const std::vector<Detection> a = without(image), b = baseline(image);
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].score, b[i].score);
-    EXPECT_EQ(a[i].box.x1, b[i].box.x1);
-    EXPECT_EQ(a[i].mask.bits, b[i].mask.bits);
-  }
+  test::expect_same_bits(without(image), baseline(image));
 }
 
-TEST(MaskRcnn, RepeatsBitForBitOnAnyNumberOfThreadsWithoutNewMemory) {
+TEST(MaskRcnn, RepeatsBitForBitOnAnyNumberOfThreads) {
   MaskRcnn network(test::random_mask_rcnn(true), small_images());
   const cv::Mat image = test::random_image(4, 90, 70);
-  const int threads = omp_get_max_threads();
-  const std::vector<Detection> first = network(image);
-  const std::size_t allocations = network.arena().allocations();
-  for (const int count : {1, 2, 3}) {
-    omp_set_num_threads(count);
-    const std::vector<Detection> again = network(image);
-    ASSERT_EQ(again.size(), first.size());
-    for (std::size_t i = 0; i < first.size(); ++i) {
-      EXPECT_EQ(again[i].score, first[i].score);
-      EXPECT_EQ(again[i].box.y2, first[i].box.y2);
-      EXPECT_EQ(again[i].mask.bits, first[i].mask.bits);
-    }
-  }
-  omp_set_num_threads(threads);
-  EXPECT_EQ(network.arena().allocations(), allocations);
+  EXPECT_FALSE(network(image).empty());
+  test::expect_repeats_on_any_number_of_threads(network, image);
 }
 
 TEST(MaskRcnn, ImagesOfAnyShapeAreTaken) {

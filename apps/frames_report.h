@@ -1,0 +1,15 @@
+// frames.json: what happened frame by frame; `penumbra report` draws it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "slam/slam.h"
+
+namespace penumbra::apps {
+
+// One array a quantity, one entry a frame: index, timestamp (s), state, ms, features, stereo_features,
+// movable_features, matches, inliers, keyframe, and filter: the mismatch filter's histogram as {from, width
+// (pixels), kept [a bin], removed [a bin]}, null where it did not run.
+nlohmann::json frames_report(const slam::Slam& slam);
+
+}  // namespace penumbra::apps

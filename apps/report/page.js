@@ -1,0 +1,246 @@
+// Draws the report from the JSON in #data. Every section marks itself with data-drawn once it shows something.
+'use strict';
+const data = JSON.parse(document.getElementById('data').textContent);
+const css = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
+const element = id => document.getElementById(id);
+const fixed = (value, digits) => Number(value).toFixed(digits);
+const problems = [];
+window.addEventListener('error', event => complain(event.message));
+function complain(text) {
+  problems.push(text);
+  const box = element('problem');
+  box.hidden = false;
+  box.textContent = problems.join('; ');
+}
+
+function summary() {
+  const run = data.run, truth = run.ground_truth;
+  element('headline').textContent = `${run.frames} frames, ${run.tracked} located, ${run.keyframes} keyframes, ` +
+      `${run.map_points} map points`;
+  if (run.error) complain(`The run stopped early: ${run.error}`);
+  const tiles = [[run.frames, 'frames'], [run.lost, 'lost'], [run.keyframes, 'keyframes'], [run.map_points, 'map points'],
+                 [(run.loops || []).length, 'loops closed']];
+  if (run.median_ms !== undefined) tiles.push([fixed(run.median_ms, 1) + ' ms', 'a frame, median']);
+  if (run.p95_ms !== undefined) tiles.push([fixed(run.p95_ms, 1) + ' ms', '95 % of frames below']);
+  if (truth) {
+    tiles.push([fixed(truth.path_m, 1) + ' m', 'path'], [fixed(truth.ape_rmse_m, 3) + ' m', 'position error (APE rmse)']);
+    if (truth.t_rel_percent !== undefined) {
+      tiles.push([fixed(truth.t_rel_percent, 2) + ' %', 'drift'],
+                 [fixed(truth.r_rel_deg_per_100m, 2) + '°', 'rotation drift per 100 m']);
+    }
+  }
+  for (const [value, name] of tiles) {
+    const tile = document.createElement('div');
+    tile.className = 'tile';
+    tile.innerHTML = '<b></b><span></span>';
+    tile.children[0].textContent = value;
+    tile.children[1].textContent = name;
+    element('tiles').append(tile);
+  }
+  element('summary').dataset.drawn = tiles.length;
+}
+
+// A plot area with axes; returns functions from values to pixels.
+function axes(canvas, x_range, y_range, x_name, y_name) {
+  const draw = canvas.getContext('2d'), left = 62, right = canvas.width - 14, top = 12, bottom = canvas.height - 36;
+  const x = v => left + (v - x_range[0]) / (x_range[1] - x_range[0]) * (right - left);
+  const y = v => bottom - (v - y_range[0]) / (y_range[1] - y_range[0]) * (bottom - top);
+  draw.clearRect(0, 0, canvas.width, canvas.height);
+  draw.font = '13px system-ui, sans-serif';
+  draw.lineWidth = 1;
+  draw.strokeStyle = css('line');
+  draw.fillStyle = css('quiet');
+  const ticks = (range, count) => {
+    const raw = (range[1] - range[0]) / count, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map(f => f * power).find(s => s >= raw);
+    const values = [];
+    for (let v = Math.ceil(range[0] / step) * step; v <= range[1] + 1e-9; v += step) values.push(Number(v.toPrecision(6)));
+    return values;
+  };
+  draw.textAlign = 'right'; draw.textBaseline = 'middle';
+  for (const v of ticks(y_range, canvas.height / 60)) {
+    draw.beginPath(); draw.moveTo(left, y(v)); draw.lineTo(right, y(v)); draw.stroke();
+    draw.fillText(v, left - 6, y(v));
+  }
+  draw.textAlign = 'center'; draw.textBaseline = 'top';
+  for (const v of ticks(x_range, 10)) {
+    draw.beginPath(); draw.moveTo(x(v), top); draw.lineTo(x(v), bottom); draw.stroke();
+    draw.fillText(v, x(v), bottom + 4);
+  }
+  draw.textAlign = 'right'; draw.textBaseline = 'bottom';
+  draw.fillText(x_name, right, canvas.height - 2);
+  draw.save(); draw.translate(12, top); draw.rotate(-Math.PI / 2); draw.textBaseline = 'middle';
+  draw.fillText(y_name, 0, 0); draw.restore();
+  return {draw, x, y, left, right, top, bottom};
+}
+
+const largest = values => values.reduce((a, b) => Math.max(a, b), 0);
+
+function path_from_above() {
+  const canvas = element('top'), all = data.estimate.concat(data.truth);
+  const range = k => [Math.min(...all.map(p => p[k])), Math.max(...all.map(p => p[k]))];
+  let [x0, x1] = range(0), [z0, z1] = range(2);
+  // Metres are as long upwards as sideways.
+  const aspect = (canvas.width - 76) / (canvas.height - 48), pad = 0.06 * Math.max(x1 - x0, z1 - z0, 1);
+  const height = Math.max(z1 - z0 + 2 * pad, (x1 - x0 + 2 * pad) / aspect), width = height * aspect;
+  const mx = (x0 + x1) / 2, mz = (z0 + z1) / 2;
+  const plot = axes(canvas, [mx - width / 2, mx + width / 2], [mz - height / 2, mz + height / 2], 'x, metres', 'z, metres');
+  const line = (points, colour, thickness) => {
+    plot.draw.strokeStyle = colour; plot.draw.lineWidth = thickness; plot.draw.beginPath();
+    points.forEach((p, i) => plot.draw[i ? 'lineTo' : 'moveTo'](plot.x(p[0]), plot.y(p[2])));
+    plot.draw.stroke();
+  };
+  if (data.truth.length) line(data.truth, css('truth'), 5);
+  line(data.estimate, css('estimate'), 2);
+  plot.draw.fillStyle = css('lost');
+  for (const frame of data.lost) {
+    const p = data.estimate[frame];
+    if (p) plot.draw.fillRect(plot.x(p[0]) - 3, plot.y(p[2]) - 3, 6, 6);
+  }
+  for (const [a, b] of data.loops) {
+    if (data.estimate[a] && data.estimate[b]) {
+      line([data.estimate[a], data.estimate[b]], css('loop'), 2);
+      plot.draw.fillStyle = css('loop');
+      plot.draw.beginPath(); plot.draw.arc(plot.x(data.estimate[b][0]), plot.y(data.estimate[b][2]), 5, 0, 7); plot.draw.fill();
+    }
+  }
+  canvas.dataset.drawn = data.estimate.length;
+}
+
+function curve(id, values, y_name, colour) {
+  const canvas = element(id);
+  const plot = axes(canvas, [0, Math.max(1, values.length - 1)], [0, largest(values) * 1.05 || 1], 'frame', y_name);
+  plot.draw.strokeStyle = colour; plot.draw.lineWidth = 1.5; plot.draw.beginPath();
+  values.forEach((v, i) => plot.draw[i ? 'lineTo' : 'moveTo'](plot.x(i), plot.y(v)));
+  plot.draw.stroke();
+  canvas.dataset.drawn = values.length;
+}
+
+function table(id, rows) {
+  for (const cells of rows) {
+    const row = element(id).insertRow();
+    for (const cell of cells) {
+      const at = row.insertCell();
+      if (cell instanceof Node) { at.className = 'bar'; at.append(cell); } else { at.textContent = cell; }
+    }
+  }
+}
+
+function times() {
+  curve('time', data.frames.ms, 'milliseconds', css('estimate'));
+  const stages = Object.entries(data.run.stages || {}).sort((a, b) => b[1] - a[1]);
+  table('stages', stages.map(([name, ms]) => {
+    const bar = document.createElement('i');
+    bar.style.width = 100 * ms / (stages[0][1] || 1) + '%';
+    return [name.replaceAll('_', ' '), fixed(ms, 2) + ' ms', bar];
+  }));
+}
+
+function filter() {
+  const slider = element('filter-frame'), frames = data.frames.filter;
+  const usable = frames.map((f, i) => i).filter(i => frames[i] && frames[i].kept.length);
+  if (!usable.length) { element('filter-section').hidden = true; return; }
+  slider.max = usable.length - 1;
+  const show = () => {
+    const number = usable[slider.value], {from, width, kept, removed} = frames[number];
+    element('filter-number').textContent = data.frames.index[number];
+    const totals = kept.map((k, i) => k + removed[i]);
+    const plot = axes(element('filter'), [from, from + width * kept.length], [0, largest(totals) * 1.05 || 1],
+                      'pixels moved', 'pairs');
+    kept.forEach((k, i) => {
+      const x = plot.x(from + i * width), w = Math.max(1, plot.x(from + (i + 1) * width) - x - 1);
+      plot.draw.fillStyle = css('kept'); plot.draw.fillRect(x, plot.y(k), w, plot.bottom - plot.y(k));
+      plot.draw.fillStyle = css('removed');
+      plot.draw.fillRect(x, plot.y(totals[i]), w, plot.y(k) - plot.y(totals[i]));
+    });
+    element('filter').dataset.drawn = totals.length;
+  };
+  slider.addEventListener('input', show);
+  slider.value = Math.floor(usable.length / 2);
+  show();
+}
+
+function gallery() {
+  if (!data.gallery.length) { element('gallery-section').hidden = true; return; }
+  for (const {name, image} of data.gallery) {
+    const figure = document.createElement('figure'), picture = document.createElement('img');
+    picture.src = 'data:image/jpeg;base64,' + image;
+    picture.alt = `Keyframe ${name} with its features`;
+    picture.loading = 'lazy';
+    const caption = document.createElement('figcaption');
+    caption.textContent = `frame ${Number(name)}`;
+    figure.append(picture, caption);
+    element('gallery').append(figure);
+  }
+  element('gallery').dataset.drawn = data.gallery.length;
+}
+
+const bytes_of = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
+
+// The camera looks along +z with y down; on the screen y goes up, so y and z change sign.
+function path_in_space() {
+  const box = element('space');
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+  } catch (error) {
+    box.innerHTML = '<p>This browser shows no WebGL; the path from above is the same data.</p>';
+    box.dataset.drawn = 'none';
+    return;
+  }
+  renderer.setSize(box.clientWidth, box.clientHeight, false);
+  box.append(renderer.domElement);
+  const scene = new THREE.Scene();
+  scene.background = new THREE.Color(0x10151c);
+  const camera = new THREE.PerspectiveCamera(55, box.clientWidth / box.clientHeight, 0.1, 20000);
+  const positions = new Float32Array(bytes_of(data.points.position).buffer), colours = bytes_of(data.points.colour);
+  const cloud = new THREE.BufferGeometry();
+  const turned = positions.map((v, i) => i % 3 ? -v : v);
+  cloud.setAttribute('position', new THREE.BufferAttribute(turned, 3));
+  cloud.setAttribute('color', new THREE.BufferAttribute(colours, 3, true));
+  scene.add(new THREE.Points(cloud, new THREE.PointsMaterial({size: 2, sizeAttenuation: false, vertexColors: THREE.VertexColors})));
+  const vector = p => new THREE.Vector3(p[0], -p[1], -p[2]);
+  const line = (points, colour) => scene.add(new THREE.Line(
+      new THREE.BufferGeometry().setFromPoints(points.map(vector)), new THREE.LineBasicMaterial({color: colour})));
+  if (data.truth.length) line(data.truth, 0xd0d6dd);
+  line(data.estimate, 0x4aa3ff);
+  for (const [a, b] of data.loops) {
+    if (data.estimate[a] && data.estimate[b]) line([data.estimate[a], data.estimate[b]], 0xc77dff);
+  }
+  const bounds = new THREE.Box3().setFromPoints(data.estimate.map(vector));
+  const middle = bounds.getCenter(new THREE.Vector3()), size = Math.max(10, bounds.getSize(new THREE.Vector3()).length());
+  const controls = new THREE.OrbitControls(camera, renderer.domElement);
+  controls.target.copy(middle);
+  camera.position.set(middle.x, middle.y + 0.7 * size, middle.z + 0.7 * size);
+  const draw = () => renderer.render(scene, camera);
+  controls.addEventListener('change', draw);
+  window.addEventListener('resize', () => {
+    camera.aspect = box.clientWidth / box.clientHeight;
+    camera.updateProjectionMatrix();
+    renderer.setSize(box.clientWidth, box.clientHeight, false);
+    draw();
+  });
+  controls.update();
+  draw();
+  box.dataset.drawn = positions.length / 3;
+}
+
+summary();
+path_from_above();
+if (data.error.length) curve('error', data.error, 'metres', css('lost')); else element('error-section').hidden = true;
+times();
+filter();
+gallery();
+element('command').textContent = data.run.command || '';
+table('settings', Object.entries(data.run.settings || {}).map(([k, v]) => [k.replaceAll('_', ' '), JSON.stringify(v)]));
+path_in_space();
+// A picture of one colour shows nothing.
+for (const canvas of document.querySelectorAll('canvas')) {
+  if (canvas.closest('section').hidden) continue;
+  const copy = document.createElement('canvas');
+  copy.width = canvas.width; copy.height = canvas.height;
+  copy.getContext('2d').drawImage(canvas, 0, 0);
+  const pixels = new Uint32Array(copy.getContext('2d').getImageData(0, 0, copy.width, copy.height).data.buffer);
+  if (pixels.every(p => p === pixels[0])) complain(`The picture ${canvas.id || 'in space'} is empty`);
+}
+document.body.dataset.ready = problems.length ? 'with problems' : 'yes';

@@ -1,0 +1,203 @@
+#include "apps/report_page.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "apps/embedded_files.h"
+#include "nn/base/error.h"
+#include "nn/io/file.h"
+#include "slam/evaluation/alignment.h"
+#include "slam/evaluation/ape.h"
+#include "slam/geometry/trajectory_io.h"
+#include "slam/map/ply.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+using nlohmann::json;
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = group << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text.push_back(i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63U] : '=');
+    }
+  }
+  return text;
+}
+
+json read_json(const std::filesystem::path& path) {
+  const std::string text = nn::read_file(path, "a file that `penumbra slam` wrote");
+  json value = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
+  return value;
+}
+
+json positions(const slam::Trajectory& trajectory) {
+  json list = json::array();
+  for (const slam::TimedPose& pose : trajectory) {
+    const Eigen::Vector3f p = pose.T_wc.translation.cast<float>();
+    list.push_back({p.x(), p.y(), p.z()});
+  }
+  return list;
+}
+
+json map_points(const std::filesystem::path& path, std::size_t most) {
+  std::string position, colour;
+  if (std::filesystem::exists(path)) {
+    const std::vector<slam::PlyVertex> vertices = slam::read_ply(path);
+    const std::size_t step = vertices.size() / std::max<std::size_t>(1, most) + 1;
+    for (std::size_t i = 0; i < vertices.size(); i += step) {
+      position.append(reinterpret_cast<const char*>(vertices[i].position.data()), 3 * sizeof(float));
+      colour.append(reinterpret_cast<const char*>(vertices[i].colour.data()), 3);
+    }
+  }
+  return {{"position", base64(position)}, {"colour", base64(colour)}};
+}
+
+json gallery(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    if (entry.path().extension() == ".jpg") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  json list = json::array();
+  for (const auto& file : files) {
+    list.push_back({{"name", file.stem().string()}, {"image", base64(nn::read_file(file, "a picture"))}});
+  }
+  return list;
+}
+
+// Frame numbers to places in the trajectory; frames that are not part of the run are left out.
+class Rows {
+ public:
+  Rows(const json& frames, std::size_t poses, const std::string& place) {
+    for (const char* key : {"index", "ms", "filter"}) {
+      if (!frames.contains(key) || !frames[key].is_array() || frames[key].size() != poses) {
+        throw InputError(place, fmt::format("{} entries of \"{}\", one a pose", poses, key),
+                         "something else");
+      }
+    }
+    for (std::size_t i = 0; i < poses; ++i) {
+      if (frames["index"][i].is_number_integer()) row_of_[frames["index"][i].get<int>()] = i;
+    }
+  }
+  json of(const json& frame) const {
+    if (!frame.is_number_integer()) return nullptr;
+    const auto at = row_of_.find(frame.get<int>());
+    return at == row_of_.end() ? json(nullptr) : json(at->second);
+  }
+
+ private:
+  std::map<int, std::size_t> row_of_;
+};
+
+json lost_rows(const json& run, const Rows& rows) {
+  json list = json::array();
+  for (const json& frame : run.value("lost_frames", json::array())) {
+    if (const json row = rows.of(frame); !row.is_null()) list.push_back(row);
+  }
+  return list;
+}
+
+json loop_rows(const json& run, const Rows& rows) {
+  json list = json::array();
+  for (const json& pair : run.value("loops", json::array())) {
+    if (!pair.is_array() || pair.size() < 2) continue;
+    const json a = rows.of(pair[0]), b = rows.of(pair[1]);
+    if (!a.is_null() && !b.is_null()) list.push_back({a, b});
+  }
+  return list;
+}
+
+json gather(const std::filesystem::path& folder, std::size_t most_points) {
+  json data;
+  data["run"] = read_json(folder / "run.json");
+  data["frames"] = read_json(folder / "frames.json");
+  const slam::Trajectory estimate = slam::read_kitti_trajectory(folder / "trajectory_kitti.txt");
+  const Rows rows(data["frames"], estimate.size(), (folder / "frames.json").string());
+  data["estimate"] = positions(estimate);
+  data["truth"] = json::array();
+  data["error"] = json::array();
+  if (const auto path = folder / "ground_truth_kitti.txt"; std::filesystem::exists(path)) {
+    const slam::Trajectory truth = slam::read_kitti_trajectory(path);
+    const slam::Similarity moved = slam::find_alignment(truth, estimate, slam::Alignment::se3);
+    data["truth"] = positions(truth);
+    data["error"] = slam::absolute_pose_errors(truth, slam::transformed(estimate, moved));
+  }
+  data["lost"] = lost_rows(data["run"], rows);
+  data["loops"] = loop_rows(data["run"], rows);
+  data["points"] = map_points(folder / "map.ply", most_points);
+  data["gallery"] = gallery(folder / "gallery");
+  return data;
+}
+
+std::string escaped(std::string_view text) {
+  std::string html;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      default:
+        html += c;
+    }
+  }
+  return html;
+}
+
+// JSON in which no "</script>" can end the element that holds it.
+std::string script_safe(const json& value) {
+  std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+}  // namespace
+
+std::string make_report_page(const std::filesystem::path& run_folder, std::size_t most_points) {
+  const json data = gather(run_folder, most_points);
+  const json& name = data["run"]["dataset"];
+  const std::map<std::string_view, std::string> parts = {
+      {"@TITLE@", escaped(name.is_string() ? name.get<std::string>() : run_folder.string())},
+      {"@STYLE@", std::string(embedded::page_css())},
+      {"@DATA@", script_safe(data)},
+      {"@THREE@", std::string(embedded::three_js())},
+      {"@CONTROLS@", std::string(embedded::orbit_controls())},
+      {"@SCRIPT@", std::string(embedded::page_js())}};
+  // One pass over the template: what is put in is not searched again.
+  const std::string_view html = embedded::page_html();
+  std::string page;
+  for (std::size_t at = 0; at < html.size();) {
+    const auto part = std::find_if(parts.begin(), parts.end(),
+                                   [&](const auto& p) { return html.substr(at, p.first.size()) == p.first; });
+    if (part != parts.end()) {
+      page += part->second;
+      at += part->first.size();
+    } else {
+      page += html[at++];
+    }
+  }
+  return page;
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,104 @@
+// Recognises places that the camera has seen before and makes the map agree with itself there.
+//
+//   remember the keyframes that have left the camera's surroundings   (place_index.h)
+//   candidates by appearance -> verified by geometry                  (place_verifier.h)
+//   consistent with the last keyframes' verifications?
+//     -> correct the map, fuse duplicate points                       (map_correction.h)
+//     -> adjust the whole map                                         (full_bundle_adjustment.h)
+//
+// A false loop ruins a map, a missed one costs a little accuracy until the next chance. So several keyframes,
+// taken from different places, must be verified one after the other, and must agree: where loops are true
+// the poses found by each relate to each other as odometry says they do. The correction must also be one
+// that drift can explain, and the place one that had been left before.
+//
+// Everything happens in process(), in line, and repeats bit for bit. For a thread of its own: process() needs
+// the keyframes in the order in which they leave the local mapper, and the map to itself while it corrects;
+// the full adjustment works on a copy and can be stopped.
+// Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-D; Campos et al., ORB-SLAM3 (T-RO 2021),
+// section V (sub-maps).
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "slam/loop/map_correction.h"
+#include "slam/loop/place_index.h"
+#include "slam/loop/place_verifier.h"
+#include "slam/mapping/full_bundle_adjustment.h"
+
+namespace penumbra::slam {
+
+struct LoopCloserSettings {
+  bool enabled = true;
+  PlaceIndexSettings index;
+  PlaceVerifierSettings verifier;
+  MapCorrectionSettings correction;
+  FullBundleSettings full_bundle;
+  bool adjust_whole_map = true;
+  int candidates = 3;  // verified per keyframe
+  int age = 5;         // keyframes after which one enters the index
+  int fewest_frames_apart = 50;
+  int consistent = 3;         // verified keyframes that must agree ...
+  int window = 10;            // ... among this many
+  double agree_metres = 0.5;  // how far two of them may differ, plus 5 % of the way between them
+  double agree_radians = 0.035;
+  double least_motion_baselines = 2.0;  // the way between the first and the last of them
+  // What counts as the same place: as in the evaluation (slam/evaluation/loop_evaluation.h).
+  double largest_distance = 5.0;  // metres
+  double largest_turn = 0.5236;   // radians
+  // A correction beyond drift_metres + drift_share * (way since then) is not drift.
+  double drift_metres = 3.0;
+  double drift_share = 0.05;
+  int pause = 10;  // keyframes after a loop in which no other is closed
+};
+
+// A loop that was closed.
+struct ClosedLoop {
+  int frame = 0, earlier_frame = 0;  // frames of the keyframes that show the same place
+  int inliers = 0;                   // points that proved it
+  double correction_metres = 0.0;    // how far the keyframe was moved
+  bool merged_submaps = false;
+};
+
+class LoopCloser {
+ public:
+  LoopCloser(const StereoCamera& camera, Map& map, const LoopCloserSettings& settings)
+      : camera_(camera), map_(map), settings_(settings), index_(settings.index) {}
+
+  // Takes the next keyframe, in the order in which they are made. Where it closes a loop the map has been
+  // corrected on return: poses and points have moved, points were merged.
+  std::optional<ClosedLoop> process(KeyFrame* keyframe);
+
+  const PlaceIndex& index() const { return index_; }
+  const std::vector<ClosedLoop>& loops() const { return loops_; }
+
+ private:
+  // A keyframe that was verified against an older one: its pose there.
+  struct Sighting {
+    const KeyFrame* keyframe = nullptr;
+    SE3 T_cw;
+  };
+
+  void remember_older_keyframes(const KeyFrame* newest);
+  std::optional<VerifiedPlace> recognise(const KeyFrame& keyframe) const;
+  KeyFrame* revisited(const KeyFrame& keyframe, const VerifiedPlace& place) const;
+  bool drift_explains(const KeyFrame& keyframe, const VerifiedPlace& place) const;
+  bool agree(const Sighting& a, const Sighting& b) const;
+  bool is_consistent(const Sighting& newest) const;
+  void close(KeyFrame* keyframe, const VerifiedPlace& place);
+
+  const StereoCamera camera_;
+  Map& map_;
+  const LoopCloserSettings settings_;
+  PlaceIndex index_;
+  std::deque<KeyFrame*> waiting_;  // for the index
+  std::vector<double> travelled_;  // keyframe id -> metres since the first keyframe
+  const KeyFrame* last_keyframe_ = nullptr;
+  std::deque<Sighting> sightings_;
+  std::vector<LoopEdge> edges_;
+  std::vector<ClosedLoop> loops_;
+  int last_loop_ = -1000000;  // id of the keyframe that closed it
+};
+
+}  // namespace penumbra::slam

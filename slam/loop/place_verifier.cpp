@@ -1,0 +1,136 @@
+#include "slam/loop/place_verifier.h"
+
+#include <algorithm>
+#include <array>
+
+#include "slam/features/descriptor_matcher.h"
+#include "slam/features/measurement.h"
+#include "slam/geometry/pnp_ransac.h"
+#include "slam/map/projection.h"
+#include "slam/tracking/pose_optimizer.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+constexpr int kCellColumns = 8, kCellRows = 4;
+constexpr float kWideRadius = 10.0F, kNarrowRadius = 4.0F;  // pixels at level 0
+
+// Pairs of map points and features of the image.
+struct Pairs {
+  std::vector<MapPoint*> points;
+  std::vector<int> features;
+  std::vector<PoseObservation> observations;
+
+  void add(MapPoint* point, int feature, const FrameFeatures& image, const std::vector<double>& scales) {
+    points.push_back(point);
+    features.push_back(feature);
+    observations.push_back({point->position, measurement_of(image, feature, scales)});
+  }
+};
+
+Pairs match_by_looks(const KeyFrame& keyframe, const FrameFeatures& image,
+                     const std::vector<double>& scales) {
+  std::vector<Descriptor> descriptors;
+  std::vector<MapPoint*> points;
+  for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
+    if (keyframe.points[i] == nullptr) continue;
+    points.push_back(keyframe.points[i]);
+    descriptors.push_back(keyframe.features->descriptor(static_cast<int>(i)));
+  }
+  Pairs pairs;
+  for (const Match& match : match_descriptors(descriptors, image.left.descriptors, {})) {
+    if (image.is_movable(match.feature)) continue;
+    pairs.add(points[static_cast<std::size_t>(match.source)], match.feature, image, scales);
+  }
+  return pairs;
+}
+
+Pairs match_by_projection(const StereoCamera& camera, const SE3& T_cw, const std::vector<MapPoint*>& points,
+                          const FrameFeatures& image, const std::vector<double>& scales, float radius,
+                          int& visible) {
+  std::vector<Projection> projections;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::optional<Projection> projection = project_point(camera, T_cw, *points[i], scales);
+    if (!projection) continue;
+    projection->source = static_cast<int>(i);
+    projections.push_back(*projection);
+  }
+  visible = static_cast<int>(projections.size());
+  FrameMatcherSettings search;
+  search.radius = radius;
+  search.max_distance = 64;
+  search.check_rotation = false;
+  Pairs pairs;
+  for (const Match& match : match_projections(projections, image, {}, scales, search)) {
+    pairs.add(points[static_cast<std::size_t>(match.source)], match.feature, image, scales);
+  }
+  return pairs;
+}
+
+int occupied_cells(const StereoCamera& camera, const FrameFeatures& image,
+                   const std::vector<MapPoint*>& points) {
+  std::array<bool, kCellColumns * kCellRows> occupied{};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i] == nullptr) continue;
+    const Keypoint& k = image.keypoint(static_cast<int>(i));
+    const int column = static_cast<int>(k.u) * kCellColumns / camera.width;
+    const int row = static_cast<int>(k.v) * kCellRows / camera.height;
+    occupied[static_cast<std::size_t>(std::clamp(row, 0, kCellRows - 1) * kCellColumns +
+                                      std::clamp(column, 0, kCellColumns - 1))] = true;
+  }
+  return static_cast<int>(std::count(occupied.begin(), occupied.end(), true));
+}
+
+}  // namespace
+
+std::vector<MapPoint*> points_around(const KeyFrame& keyframe, int neighbours) {
+  std::vector<MapPoint*> points;
+  const auto take = [&](const KeyFrame& from) {
+    for (MapPoint* point : from.points) {
+      if (point != nullptr) points.push_back(point);
+    }
+  };
+  take(keyframe);
+  for (int n = 0; n < neighbours && n < static_cast<int>(keyframe.covisibles.size()); ++n) {
+    take(*keyframe.covisibles[static_cast<std::size_t>(n)].keyframe);
+  }
+  std::sort(points.begin(), points.end(), [](const MapPoint* a, const MapPoint* b) { return a->id < b->id; });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+std::optional<VerifiedPlace> verify_place(const StereoCamera& camera, const Map& map,
+                                          const FrameFeatures& features, KeyFrame* keyframe,
+                                          std::uint64_t seed, const PlaceVerifierSettings& settings) {
+  Pairs pairs = match_by_looks(*keyframe, features, map.scales());
+  PnpRansacSettings ransac;
+  ransac.seed = seed;
+  ransac.fewest_inliers = settings.fewest_ransac_inliers;
+  const std::optional<PnpResult> pnp = solve_pnp_ransac(camera, pairs.observations, ransac);
+  if (!pnp) return std::nullopt;
+  PoseEstimate estimate = optimize_pose(camera, pnp->T_cw, pairs.observations);
+  if (estimate.inliers < settings.fewest_ransac_inliers) return std::nullopt;
+
+  VerifiedPlace place;
+  const std::vector<MapPoint*> points = points_around(*keyframe, settings.neighbours);
+  for (const float radius : {kWideRadius, kNarrowRadius}) {
+    pairs = match_by_projection(camera, estimate.T_cw, points, features, map.scales(), radius, place.visible);
+    estimate = optimize_pose(camera, estimate.T_cw, pairs.observations);
+    if (estimate.inliers < settings.fewest_inliers) return std::nullopt;
+  }
+  place.keyframe = keyframe;
+  place.T_cw = estimate.T_cw;
+  place.inliers = estimate.inliers;
+  place.points.assign(static_cast<std::size_t>(features.size()), nullptr);
+  for (std::size_t i = 0; i < pairs.points.size(); ++i) {
+    if (estimate.inlier[i]) place.points[static_cast<std::size_t>(pairs.features[i])] = pairs.points[i];
+  }
+  // A pose may show more points than the image has features to find them with.
+  const int findable = std::min(place.visible, features.size());
+  if (place.inliers < settings.least_share * findable) return std::nullopt;
+  if (occupied_cells(camera, features, place.points) < settings.fewest_cells) return std::nullopt;
+  return place;
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,41 @@
+// The map on disk: everything that is needed to find one's way in it again, or to go on building it.
+//
+//   "PENUMAP\n"  version u32  CRC-32 of the body u32  bytes of the body u64  | body
+//   body: camera (fx fy cx cy baseline f64, width height i32)
+//         pyramid: levels u32, scales f64[]
+//         keyframes u32, then each: frame i32, timestamp f64, T_cw (rotation f64[9] by rows, translation
+//           f64[3]), features u32 and their arrays: keypoints (u v f32, level i32, angle response f32),
+//           descriptors u64[4], u_right f32, depth f32, movable u8, colour u8[3]
+//         points u32, then each: position f64[3], visible found i32, colour u8[3], observations u32, each:
+//           keyframe u32 (place in the file), feature u32; ordered by keyframe
+//
+// Little-endian, no padding. What can be computed from this is not stored: point descriptors and normals, the
+// covisibility graph, the place index. 64 bytes a feature: about 100 kB a keyframe.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "slam/geometry/stereo_camera.h"
+#include "slam/map/map.h"
+
+namespace penumbra::slam {
+
+inline constexpr std::uint32_t kMapFileVersion = 1;
+
+// Writes under a temporary name and renames: an older file is replaced by a whole new one or not at all.
+// Throws Error where that fails.
+void write_map(const std::filesystem::path& path, const StereoCamera& camera, const Map& map);
+
+struct SavedMap {
+  StereoCamera camera;
+  std::unique_ptr<Map> map;  // keyframes are numbered anew from 0, in their old order
+};
+
+// Reads all or nothing. Throws InputError that names the file and the byte where it is no map, of another
+// version, torn, damaged, or where what it says cannot be: counts beyond the file, references to keyframes or
+// features that do not exist, numbers that are not finite, rotations that are none, a feature with two
+// points.
+SavedMap read_map(const std::filesystem::path& path);
+
+}  // namespace penumbra::slam

@@ -1,0 +1,53 @@
+// Bundle adjustment of a whole map: all keyframes and points of one sub-map (slam/map/keyframe.h).
+//
+// The oldest keyframe is fixed. Two passes as in the local one: with the Huber kernel, then without it and
+// without the observations beyond their chi-square gate; those that are beyond it at the end leave the map.
+// Points with a single observation say nothing about poses and move along with their keyframe.
+//
+// The numbers are copied out of the map, adjusted, and copied back, so that a thread may adjust while the map
+// grows: solve() touches no map. Keyframes that were added meanwhile move with the neighbour they stand on.
+// Cost: about 1 s an iteration for 500 keyframes and 60000 points.
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "slam/map/map.h"
+#include "slam/mapping/bundle_adjustment.h"
+
+namespace penumbra::slam {
+
+struct FullBundleSettings {
+  int robust_iterations = 10;  // at most, with the Huber kernel
+  int iterations = 10;         // at most, without
+};
+
+struct FullBundleReport {
+  int keyframes = 0, points = 0, observations = 0, removed_observations = 0;
+  BundleSummary robust, final;
+  bool stopped = false;  // before its end; the map was left as it was
+};
+
+class FullBundleAdjustment {
+ public:
+  // Copies the part of the map that belongs to `submap`.
+  FullBundleAdjustment(const StereoCamera& camera, const Map& map, int submap,
+                       const FullBundleSettings& settings);
+
+  // False where `stop` was set meanwhile: then there is nothing to apply.
+  bool solve(const std::atomic<bool>* stop = nullptr);
+  void apply(Map& map);
+  const FullBundleReport& report() const { return report_; }
+
+ private:
+  bool within_gate(const BundleObservation& observation) const;
+
+  int submap_ = 0;
+  FullBundleSettings settings_;
+  BundleProblem problem_;
+  std::vector<KeyFrame*> keyframes_;  // of the problem's poses
+  std::vector<MapPoint*> points_;     // of the problem's points
+  FullBundleReport report_;
+};
+
+}  // namespace penumbra::slam

@@ -1,0 +1,89 @@
+#include "slam/mapping/reduced_camera_system.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace penumbra::slam {
+
+ReducedCameraSystem::ReducedCameraSystem(int poses, std::vector<std::vector<int>> neighbours)
+    : poses_(poses), sparse_(poses > kDensePoses), columns_(std::move(neighbours)) {
+  if (!sparse_) {
+    dense_.resize(6 * poses, 6 * poses);
+    columns_.clear();
+    return;
+  }
+  columns_.resize(static_cast<std::size_t>(poses));
+  std::vector<Eigen::Triplet<double>> entries;
+  first_block_.assign(1, 0);
+  for (int a = 0; a < poses; ++a) {
+    std::vector<int>& row = columns_[static_cast<std::size_t>(a)];
+    row.push_back(a);
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    first_block_.push_back(first_block_.back() + static_cast<int>(row.size()));
+    for (const int b : row) {
+      for (int c = 0; c < 6; ++c) {
+        // Of a diagonal block the upper triangle alone.
+        for (int r = 0; r <= (a == b ? c : 5); ++r) entries.emplace_back(6 * a + r, 6 * b + c, 1.0);
+      }
+    }
+  }
+  blocks_.resize(static_cast<std::size_t>(first_block_.back()));
+  matrix_.resize(6 * poses, 6 * poses);
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  cholesky_.analyzePattern(matrix_);
+  // A block's rows lie one after the other in each of its columns.
+  value_of_block_.reserve(6 * blocks_.size());
+  for (int a = 0; a < poses; ++a) {
+    for (const int b : columns_[static_cast<std::size_t>(a)]) {
+      for (int c = 0; c < 6; ++c) {
+        const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[6 * b + c];
+        const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[6 * b + c + 1];
+        value_of_block_.push_back(
+            static_cast<int>(std::lower_bound(begin, end, 6 * a) - matrix_.innerIndexPtr()));
+      }
+    }
+  }
+}
+
+void ReducedCameraSystem::set_zero() {
+  if (sparse_) {
+    for (Matrix6d& block : blocks_) block.setZero();
+  } else {
+    dense_.setZero();
+  }
+}
+
+Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> ReducedCameraSystem::block(int a, int b) {
+  if (!sparse_) return dense_.block<6, 6>(6 * a, 6 * b);
+  const std::vector<int>& row = columns_[static_cast<std::size_t>(a)];
+  const auto at = std::lower_bound(row.begin(), row.end(), b) - row.begin();
+  return blocks_[static_cast<std::size_t>(first_block_[static_cast<std::size_t>(a)] + at)];
+}
+
+bool ReducedCameraSystem::solve(const Eigen::VectorXd& right, Eigen::VectorXd& dx) {
+  dx = Eigen::VectorXd::Zero(6 * poses_);
+  if (poses_ == 0) return true;
+  if (!sparse_) {
+    const Eigen::LDLT<Eigen::MatrixXd, Eigen::Upper> factor(dense_);
+    if (factor.info() != Eigen::Success) return false;
+    dx = factor.solve(right);
+    return dx.allFinite();
+  }
+  std::size_t block = 0, value = 0;
+  for (int a = 0; a < poses_; ++a) {
+    for (const int b : columns_[static_cast<std::size_t>(a)]) {
+      for (int c = 0; c < 6; ++c) {
+        double* values = matrix_.valuePtr() + value_of_block_[value++];
+        for (int r = 0; r <= (a == b ? c : 5); ++r) values[r] = blocks_[block](r, c);
+      }
+      ++block;
+    }
+  }
+  cholesky_.factorize(matrix_);
+  if (cholesky_.info() != Eigen::Success) return false;
+  dx = cholesky_.solve(right);
+  return dx.allFinite();
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,46 @@
+// The equations of the poses that are left when bundle adjustment has eliminated the points: S dx = b with a
+// symmetric S of 6 x 6 blocks, one for every pair of poses that see a point together.
+//
+// In a local window everybody sees everything: S is stored and factorised densely. Along a drive a keyframe
+// shares points with a few dozen others: beyond kDensePoses poses only the blocks that occur are stored, and
+// the factor is Eigen's sparse Cholesky with a fill-reducing order (AMD), found once. Cost for n poses with a
+// band of m blocks: O(n m^2) instead of O(n^3); memory O(n m) instead of O(n^2).
+// Source: Triggs et al., Bundle Adjustment - A Modern Synthesis (2000), section 6.2.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <vector>
+
+#include "slam/geometry/se3.h"
+
+namespace penumbra::slam {
+
+class ReducedCameraSystem {
+ public:
+  static constexpr int kDensePoses = 40;
+
+  // `neighbours[a]`: the poses b >= a that share a point with a, a itself included; in any order, repetitions
+  // allowed. Only read where the system is sparse.
+  explicit ReducedCameraSystem(int poses, std::vector<std::vector<int>> neighbours = {});
+
+  bool sparse() const { return sparse_; }
+  void set_zero();
+  // Block (a, b) of the upper triangle, a <= b; of the pairs that were announced.
+  Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> block(int a, int b);
+  // False where S is not positive definite to working precision.
+  bool solve(const Eigen::VectorXd& right, Eigen::VectorXd& dx);
+
+ private:
+  int poses_ = 0;
+  bool sparse_ = false;
+  Eigen::MatrixXd dense_;
+  std::vector<std::vector<int>> columns_;  // per row, ascending
+  std::vector<int> first_block_;           // per row, its first block in blocks_
+  std::vector<Matrix6d> blocks_;
+  Eigen::SparseMatrix<double> matrix_;  // upper triangle, by columns
+  std::vector<int> value_of_block_;     // per block and column of it, where its values begin in matrix_
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper> cholesky_;
+};
+
+}  // namespace penumbra::slam
