@@ -46,6 +46,9 @@ def decode_mask(segmentation, height, width):
     return flat.reshape(width, height).T
 
 
+LUMA = np.array([[0.299], [0.587], [0.114]], np.float32)  # of red, green, blue: what a grey camera sees
+
+
 class CocoData:
     """A data set: folder of images and its annotations. A sample is (image, target) as torchvision's detectors take
     them. `classes` names the categories to learn, in the order of the network's outputs; empty: a category's id is its
@@ -89,7 +92,7 @@ class CocoData:
             boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
         pixels = image[:, :, ::-1].astype(np.float32) * (gain / 255.0) + offset
         if grey:
-            pixels = np.repeat(pixels.mean(2, keepdims=True), 3, 2)
+            pixels = np.repeat(pixels @ LUMA, 3, 2)
         pixels = np.clip(pixels, 0.0, 1.0)
         target = {"boxes": torch.from_numpy(boxes), "labels": torch.tensor([label for label, _, _ in objects]),
                   "masks": torch.from_numpy(np.ascontiguousarray(masks))}
@@ -99,8 +102,8 @@ class CocoData:
 class Batches:
     """Endless batches in an order that depends on the seed alone; batch k is the same after any resume."""
 
-    def __init__(self, data, size, seed):
-        self.data, self.size, self.seed = data, size, seed
+    def __init__(self, data, size, seed, grey=0.15):
+        self.data, self.size, self.seed, self.grey = data, size, seed, grey  # grey: share of images without colour
 
     def index(self, position):
         epoch, place = divmod(position, len(self.data))
@@ -113,7 +116,7 @@ class Batches:
         for position in range(k * self.size, (k + 1) * self.size):
             batch.append(self.data.sample(self.index(position), flip=random.random() < 0.5,
                                           gain=random.uniform(0.8, 1.25), offset=random.uniform(-0.05, 0.05),
-                                          grey=random.random() < 0.15))
+                                          grey=random.random() < self.grey))
         return [image for image, _ in batch], [target for _, target in batch]
 
 

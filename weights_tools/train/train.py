@@ -46,6 +46,7 @@ def arguments():
     parser.add_argument("--learning-rate", type=float)
     parser.add_argument("--scale", type=float, default=1.0,
                         help="train on images of this scale; half the size costs a quarter, for the first steps")
+    parser.add_argument("--grey", type=float, default=0.15, help="share of images without colour, for grey cameras")
     parser.add_argument("--gate-rate", type=float, default=1.0, help="learning rate of the attention, times the others'")
     parser.add_argument("--weight-decay", type=float, default=0.01)
     parser.add_argument("--init", help="weights to start from: torchvision's .pth or a checkpoint.pt of this script")
@@ -80,7 +81,7 @@ class Training:
         self.peak = options.learning_rate or self.config.learning_rate
         data = CocoData(options.annotations, options.images, self.config.classes, scale=options.scale)
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
-        self.batches = Batches(data, options.batch or self.config.batch, options.seed)
+        self.batches = Batches(data, options.batch or self.config.batch, options.seed, options.grey)
         torch.manual_seed(options.seed)
         self.model = build(self.config, options.attention)
         if options.init:
