@@ -3,12 +3,14 @@
 
   evaluate.py out/attention_1/weights.safetensors --annotations val/instances.json --images val --out out/attention_1
 
-Writes results.json and ap.json to --out. train.py does the same at its end where it is given a validation set.
+Writes results.json and ap.json to --out; with --stamp also box_AP and mask_AP into the weights' metadata. train.py does the same at its end where it is given a validation set.
 """
 import argparse
 import json
 import pathlib
 import subprocess
+
+import safetensors_file
 
 PENUMBRA = str(pathlib.Path(__file__).resolve().parents[2] / "build" / "penumbra")
 OCCLUSION = "0,0.3,0.6,0.9"  # bounds of the ranges of hidden share
@@ -31,6 +33,13 @@ def evaluate(penumbra, weights, annotations, images, out):
     return numbers
 
 
+def stamp(weights, numbers):
+    """Writes the AP into the metadata of the weights file."""
+    state, metadata = safetensors_file.load(weights)
+    metadata.update(box_AP=f"{numbers['bbox']['AP']:.4f}", mask_AP=f"{numbers['segm']['AP']:.4f}")
+    safetensors_file.save(weights, state, metadata)
+
+
 def percent(value):
     return "-" if value is None else f"{100 * value:.1f}"
 
@@ -47,8 +56,12 @@ def main():
     parser.add_argument("--images", required=True)
     parser.add_argument("--out", required=True)
     parser.add_argument("--penumbra", default=PENUMBRA)
+    parser.add_argument("--stamp", action="store_true")
     options = parser.parse_args()
-    print(summary(evaluate(options.penumbra, options.weights, options.annotations, options.images, options.out)))
+    numbers = evaluate(options.penumbra, options.weights, options.annotations, options.images, options.out)
+    if options.stamp:
+        stamp(options.weights, numbers)
+    print(summary(numbers))
 
 
 if __name__ == "__main__":

@@ -41,6 +41,7 @@ def arguments():
     parser.add_argument("--val-images")
     parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--steps", type=int, default=1000)
+    parser.add_argument("--stop", type=int, help="stop after this step of the schedule; run again to go on")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--batch", type=int, help="images a step")
     parser.add_argument("--learning-rate", type=float)
@@ -140,18 +141,18 @@ class Training:
         return {name: float(value) for name, value in losses.items()}
 
     def run(self):
-        sums, counted = {}, 0
-        while self.step < self.options.steps:
+        sums, counted, last = {}, 0, min(self.options.steps, self.options.stop or self.options.steps)
+        while self.step < last:
             start = time.monotonic()
             losses = self.one_step()
             self.seconds += time.monotonic() - start
             for name, value in losses.items():
                 sums[name] = sums.get(name, 0.0) + value
             counted += 1
-            if self.step % 20 == 0 or self.step == self.options.steps:
+            if self.step % 20 == 0 or self.step == last:
                 self.report({name: value / counted for name, value in sums.items()})
                 sums, counted = {}, 0
-            if self.step % self.options.checkpoint_every == 0 or self.step == self.options.steps:
+            if self.step % self.options.checkpoint_every == 0 or self.step == last:
                 self.save()
 
     def report(self, losses):
@@ -163,17 +164,16 @@ class Training:
               + ", ".join(f"{n.removeprefix('loss_')} {v:.3f}" for n, v in losses.items()), file=sys.stderr, flush=True)
 
     def finish(self):
-        """Writes the weights; validates them, and writes them again with their AP."""
+        """Writes the weights; validates them and notes their AP in their metadata."""
         options = self.options
         weights = options.out / "weights.safetensors"
-        facts = dict(training_data=options.data_name or options.annotations, seed=options.seed, steps=options.steps,
+        facts = dict(training_data=options.data_name or pathlib.Path(options.annotations).stem, seed=options.seed, steps=options.steps,
                      images_per_step=self.batches.size)
         export(weights, self.model, self.config, options.attention, **facts)
         if not options.val_annotations:
             return
         numbers = evaluate.evaluate(options.penumbra, weights, options.val_annotations, options.val_images, options.out)
-        facts.update(box_AP=round(numbers["bbox"]["AP"], 4), mask_AP=round(numbers["segm"]["AP"], 4))
-        export(weights, self.model, self.config, options.attention, **facts)
+        evaluate.stamp(weights, numbers)
         print(evaluate.summary(numbers))
 
 

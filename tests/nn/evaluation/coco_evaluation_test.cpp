@@ -66,20 +66,20 @@ TEST(CocoEvaluation, AFalsePositiveAboveHalvesThePrecision) {
 }
 
 // Two objects of which 10 % and 50 % are hidden; detections of both and of nothing.
-CocoFiles half_hidden_objects() {
-  CocoFiles files;
-  files.add_object({10, 10, 50, 50});
-  files.add_object({200, 10, 50, 50});
-  files.annotations["annotations"][0]["occlusion"] = 0.1;
-  files.annotations["annotations"][1]["occlusion"] = 0.5;
-  files.add_result({10, 10, 50, 50}, 0.9);
-  files.add_result({200, 10, 50, 50}, 0.8);
-  files.add_result({100, 200, 50, 50}, 0.85);
-  return files;
-}
+struct HalfHiddenObjects : CocoFiles {
+  HalfHiddenObjects() {
+    add_object({10, 10, 50, 50});
+    add_object({200, 10, 50, 50});
+    annotations["annotations"][0]["occlusion"] = 0.1;
+    annotations["annotations"][1]["occlusion"] = 0.5;
+    add_result({10, 10, 50, 50}, 0.9);
+    add_result({200, 10, 50, 50}, 0.8);
+    add_result({100, 200, 50, 50}, 0.85);
+  }
+};
 
 TEST(CocoEvaluation, ObjectsOutsideTheOcclusionRangeAreNeitherHitNorMistake) {
-  const CocoFiles files = half_hidden_objects();
+  const HalfHiddenObjects files;
   for (const CocoRegion region : {CocoRegion::boxes, CocoRegion::masks}) {
     EXPECT_NEAR(files.evaluate(region)["AP"], (51 + 50 * 2.0 / 3.0) / 101, 1e-12);
     EXPECT_NEAR(files.evaluate(region, nn::OcclusionRange{0.0, 0.3})["AP"], 1.0, 1e-12);
@@ -90,17 +90,20 @@ TEST(CocoEvaluation, ObjectsOutsideTheOcclusionRangeAreNeitherHitNorMistake) {
 }
 
 TEST(CocoEvaluation, AnOcclusionRangeHasItsLowerBoundAndNotItsUpper) {
-  const CocoFiles files = half_hidden_objects();
+  const HalfHiddenObjects files;
   EXPECT_NEAR(files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.5, 0.6})["AP"], 0.5, 1e-12);
   EXPECT_EQ(files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.3, 0.5})["AP"], nn::kNoObjects);
   EXPECT_TRUE((nn::OcclusionRange{0.9, 1.0}.contains(1.0))) << "nothing lies beyond 1";
 }
 
 TEST(CocoEvaluation, OcclusionRangesNeedTheHiddenShareOfEveryObject) {
-  CocoFiles files = half_hidden_objects();
+  HalfHiddenObjects files;
   files.annotations["annotations"][1].erase("occlusion");
-  expect_error<InputError>([&] { files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.0, 0.3}); },
-                     {"instances.json: annotations, entry 1"});
+  expect_error<InputError>(
+      [&] {
+        files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.0, 0.3});
+      },
+      {"instances.json: annotations, entry 1"});
   files.annotations["annotations"][1]["iscrowd"] = 1;
   EXPECT_NO_THROW(files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.0, 0.3}));
   for (const double wrong : {-0.1, 1.5}) {

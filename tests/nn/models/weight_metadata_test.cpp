@@ -45,7 +45,7 @@ TEST(WeightMetadata, TheErrorNamesFileAndKey) {
     metadata_integer(with("many\x1b"), "key", {1, 8});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "w.safetensors, metadata key: expected a number in 1..8, found 'many\\x1B'");
+    EXPECT_STREQ(error.what(), "w.safetensors, metadata key: expected a number in 1..8, found 'many\\x1b'");
   }
 }
 
