@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/commands.h"
+#include "nn/base/error.h"
 #include "nn/evaluation/coco_evaluation.h"
 
 namespace penumbra::apps {
@@ -21,18 +23,39 @@ constexpr const char* kExamples = R"(Examples:
   penumbra segment --coco-images val2017 --annotations instances_val2017.json --weights w.safetensors --out found
   penumbra eval-coco --annotations instances_val2017.json --results found/results.json
   penumbra eval-coco --annotations instances_val2017.json --results boxes.json --type bbox --json
+  penumbra eval-coco --annotations street/annotations/instances.json --results found/results.json --occlusion 0,0.3,0.6,0.9
 
 The numbers are those of the official COCO evaluation; see docs/coco_evaluation.md.)";
 
 struct EvalCocoOptions {
   std::string annotations, results, type = "auto";
+  std::vector<double> occlusion;  // bounds of ranges
   bool json = false;
+};
+
+struct OcclusionReport {
+  nn::OcclusionRange range;
+  std::size_t objects = 0;
+  std::optional<nn::CocoNumbers> boxes, masks;
 };
 
 struct CocoReport {
   std::size_t images = 0, annotations = 0, crowds = 0, results = 0;
   std::optional<nn::CocoNumbers> boxes, masks;
+  std::vector<OcclusionReport> by_occlusion;
 };
+
+std::vector<nn::OcclusionRange> occlusion_ranges(const std::vector<double>& bounds) {
+  std::vector<nn::OcclusionRange> ranges;
+  for (std::size_t k = 0; k + 1 < bounds.size(); ++k) {
+    if (!(bounds[k] < bounds[k + 1])) break;
+    ranges.push_back({bounds[k], bounds[k + 1]});
+  }
+  if (!bounds.empty() && (ranges.empty() || ranges.size() + 1 != bounds.size())) {
+    throw UsageError("--occlusion: expected at least two rising numbers such as 0,0.3,0.6,0.9");
+  }
+  return ranges;
+}
 
 template <class Entries>
 bool any_has_segmentation(const Entries& entries) {
@@ -41,6 +64,7 @@ bool any_has_segmentation(const Entries& entries) {
 }
 
 CocoReport evaluate(const EvalCocoOptions& options) {
+  const std::vector<nn::OcclusionRange> ranges = occlusion_ranges(options.occlusion);
   const nn::CocoAnnotations annotations = nn::read_coco_annotations(options.annotations);
   const nn::CocoResults results = nn::read_coco_results(options.results, annotations);
   CocoReport report;
@@ -53,10 +77,18 @@ CocoReport evaluate(const EvalCocoOptions& options) {
   const bool masks = options.type == "auto" ? any_has_segmentation(annotations.annotations) &&
                                                   any_has_segmentation(results.results)
                                             : options.type != "bbox";
-  if (options.type != "segm") {
-    report.boxes = nn::evaluate_coco(annotations, results, nn::CocoRegion::boxes);
-  }
+  const bool boxes = options.type != "segm";
+  if (boxes) report.boxes = nn::evaluate_coco(annotations, results, nn::CocoRegion::boxes);
   if (masks) report.masks = nn::evaluate_coco(annotations, results, nn::CocoRegion::masks);
+  for (const nn::OcclusionRange& range : ranges) {
+    OcclusionReport& part = report.by_occlusion.emplace_back();
+    part.range = range;
+    part.objects = static_cast<std::size_t>(std::count_if(
+        annotations.annotations.begin(), annotations.annotations.end(),
+        [&](const auto& a) { return !a.is_crowd && a.occlusion && range.contains(*a.occlusion); }));
+    if (boxes) part.boxes = nn::evaluate_coco(annotations, results, nn::CocoRegion::boxes, range);
+    if (masks) part.masks = nn::evaluate_coco(annotations, results, nn::CocoRegion::masks, range);
+  }
   return report;
 }
 
@@ -87,6 +119,13 @@ std::string table(const CocoReport& report) {
     append(report.boxes, name);
     append(report.masks, name);
   }
+  if (!report.by_occlusion.empty()) fmt::format_to(out, "\n\nAP by the hidden share of an object");
+  for (const OcclusionReport& part : report.by_occlusion) {
+    const std::string range = fmt::format("{:g} to {:g}", part.range.from, part.range.to);
+    fmt::format_to(out, "\n{:<12}{:<14}", range, fmt::format("{} objects", part.objects));
+    append(part.boxes, "AP");
+    append(part.masks, "AP");
+  }
   return text + "\n";
 }
 
@@ -107,6 +146,13 @@ nlohmann::ordered_json to_json(const CocoReport& report) {
                                  {"detections", report.results}};
   if (report.boxes) json["bbox"] = numbers_json(*report.boxes);
   if (report.masks) json["segm"] = numbers_json(*report.masks);
+  for (const OcclusionReport& part : report.by_occlusion) {
+    nlohmann::ordered_json entry = {
+        {"from", part.range.from}, {"to", part.range.to}, {"objects", part.objects}};
+    if (part.boxes) entry["bbox"] = numbers_json(*part.boxes);
+    if (part.masks) entry["segm"] = numbers_json(*part.masks);
+    json["occlusion"].push_back(std::move(entry));
+  }
   return json;
 }
 
@@ -125,6 +171,12 @@ void add_eval_coco_command(CLI::App& app) {
                    "what to compare; auto: boxes, and masks where both files have segmentations")
       ->check(CLI::IsMember({"auto", "bbox", "segm", "both"}))
       ->capture_default_str();
+  command
+      ->add_option("--occlusion", options->occlusion,
+                   "also count objects by their hidden share: bounds of ranges, such as 0,0.3,0.6,0.9; the "
+                   "annotations need \"occlusion\"")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1.0));
   command->add_flag("--json", options->json,
                     "print JSON instead of a table; null where there is no object of a kind");
   command->callback([options] {

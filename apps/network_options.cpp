@@ -8,14 +8,19 @@ void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
   nn::MaskRcnnConfig& mask_rcnn = network.mask_rcnn;
   nn::Yolov5Config& yolov5 = network.yolov5;
   command
-      ->add_option("--min-size", mask_rcnn.transform.min_size,
-                   "Mask R-CNN: shorter side at the network, pixels")
-      ->capture_default_str()
+      ->add_option_function<int>(
+          "--min-size", [&](int size) { mask_rcnn.min_size = size; },
+          fmt::format("Mask R-CNN: shorter side at the network, pixels [the weights' own, or {}]",
+                      mask_rcnn.transform.min_size))
       ->check(CLI::Range(32, 4096));
   command
       ->add_option_function<int>(
-          "--max-size", [&](int size) { mask_rcnn.transform.max_size = yolov5.letterbox.size = size; },
-          fmt::format("longest side at the network, pixels [Mask R-CNN {}, YOLOv5 {}]",
+          "--max-size",
+          [&](int size) {
+            mask_rcnn.max_size = size;
+            yolov5.letterbox.size = size;
+          },
+          fmt::format("longest side at the network, pixels [Mask R-CNN the weights' own or {}, YOLOv5 {}]",
                       mask_rcnn.transform.max_size, yolov5.letterbox.size))
       ->check(CLI::Range(32, 8192));
   command

@@ -60,6 +60,12 @@ CocoAnnotation read_annotation(const JsonFields& fields, const CocoAnnotations& 
   if (annotation.area < 0.0) fields.fail("area", "a number >= 0", fmt::format("{}", annotation.area));
   annotation.is_crowd = read_flag(fields, "iscrowd");
   annotation.segmentation = read_segmentation(fields);
+  if (fields.has("occlusion")) {
+    annotation.occlusion = fields.number("occlusion");
+    if (*annotation.occlusion < 0.0 || *annotation.occlusion > 1.0) {
+      fields.fail("occlusion", "a number in 0..1", fmt::format("{}", *annotation.occlusion));
+    }
+  }
   check_mask_size(fields, annotation.segmentation, all.images[annotation.image]);
   return annotation;
 }

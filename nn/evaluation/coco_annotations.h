@@ -3,13 +3,15 @@
 //   {"images":      [{"id", "width", "height", "file_name"?}, ...],
 //    "categories":  [{"id", "name"?}, ...],
 //    "annotations": [{"id", "image_id", "category_id", "bbox": [x, y, width, height], "area",
-//                     "iscrowd"?, "segmentation"?}, ...]}
+//                     "iscrowd"?, "segmentation"?, "occlusion"?}, ...]}
 //
-// Other keys are skipped. Format: the COCO data set, "Object Detection".
+// Other keys are skipped. "occlusion" is Penumbra's own: the share of the object that something hides, 0..1.
+// Format: the COCO data set, "Object Detection".
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <variant>
@@ -40,6 +42,7 @@ struct CocoAnnotation {
   double area = 0.0;      // pixels, of the segmentation; decides about small, medium and large
   bool is_crowd = false;  // a region of objects that are not told apart
   CocoSegmentation segmentation;
+  std::optional<double> occlusion;  // hidden share
 };
 
 struct CocoAnnotations {

@@ -94,8 +94,9 @@ struct Group {
 
 class Evaluation {
  public:
-  Evaluation(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region)
-      : annotations_(annotations), results_(results), region_(region) {}
+  Evaluation(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region,
+             const std::optional<OcclusionRange>& occlusion)
+      : annotations_(annotations), results_(results), region_(region), occlusion_(occlusion) {}
 
   CocoNumbers run() {
     const std::vector<Group> groups = make_groups();
@@ -197,13 +198,15 @@ class Evaluation {
       ground_truths.clear();
       areas.clear();
       for (const std::size_t o : group->objects) {
-        ground_truths.push_back({annotations_.annotations[o].area, annotations_.annotations[o].is_crowd});
+        const CocoAnnotation& object = annotations_.annotations[o];
+        const bool set_aside = occlusion_ && !occlusion_->contains(object.occlusion.value_or(0.0));
+        ground_truths.push_back({object.area, object.is_crowd, set_aside});
       }
       for (const std::size_t d : group->detections) areas.push_back(results_.results[d].area);
       const std::vector<double> ious = overlaps(*group);
       for (std::size_t r = 0; r < kAreaRanges.size(); ++r) {
         for (const GroundTruth& truth : ground_truths) {
-          if (!truth.is_crowd && kAreaRanges[r].contains(truth.area)) ++objects[r];
+          if (!truth.is_crowd && !truth.set_aside && kAreaRanges[r].contains(truth.area)) ++objects[r];
         }
         const std::vector<MatchOutcome> outcomes =
             match_detections(ious, areas, ground_truths, kAreaRanges[r]);
@@ -234,6 +237,7 @@ class Evaluation {
   const CocoAnnotations& annotations_;
   const CocoResults& results_;
   CocoRegion region_;
+  std::optional<OcclusionRange> occlusion_;
   std::array<Mean, kCocoNumberNames.size()> means_;  // in the order of kCocoNumberNames
 };
 
@@ -246,6 +250,15 @@ void require_segmentations(const Entries& entries, const std::string& place) {
   }
 }
 
+void require_occlusions(const CocoAnnotations& annotations) {
+  for (std::size_t i = 0; i < annotations.annotations.size(); ++i) {
+    const CocoAnnotation& object = annotations.annotations[i];
+    if (object.is_crowd || object.occlusion) continue;
+    throw InputError(fmt::format("{}: annotations, entry {}", annotations.file, i),
+                     "a number \"occlusion\", as ranges of it are to be evaluated", "none");
+  }
+}
+
 }  // namespace
 
 double CocoNumbers::operator[](std::string_view name) const {
@@ -254,12 +267,14 @@ double CocoNumbers::operator[](std::string_view name) const {
   return values[static_cast<std::size_t>(found - kCocoNumberNames.begin())];
 }
 
-CocoNumbers evaluate_coco(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region) {
+CocoNumbers evaluate_coco(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region,
+                          const std::optional<OcclusionRange>& occlusion) {
   if (region == CocoRegion::masks) {
     require_segmentations(annotations.annotations, annotations.file + ": annotations, entry");
     require_segmentations(results.results, results.file + ": entry");
   }
-  return Evaluation(annotations, results, region).run();
+  if (occlusion) require_occlusions(annotations);
+  return Evaluation(annotations, results, region, occlusion).run();
 }
 
 }  // namespace penumbra::nn

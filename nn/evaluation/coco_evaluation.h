@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "nn/evaluation/coco_annotations.h"
@@ -38,9 +39,20 @@ struct CocoNumbers {
   double operator[](std::string_view name) const;  // a name of kCocoNumberNames
 };
 
+// Hidden shares of objects: from <= share < to, or <= where `to` is 1.
+struct OcclusionRange {
+  double from = 0.0, to = 1.0;
+
+  bool contains(double share) const { return share >= from && (share < to || (to >= 1.0 && share <= to)); }
+};
+
 // Evaluates `results` on all images and categories of `annotations`, with which they were read.
 // For masks, throws InputError that names the file and the first entry without segmentation.
+// With `occlusion`, only objects whose hidden share lies in the range count; the others are ignored, as COCO
+// ignores objects outside a range of areas: finding them is neither a hit nor a mistake. Detections that meet
+// no object count as mistakes in every range. Throws InputError for an object without "occlusion".
 // Cost: for every image and category detections x objects (at most 100 detections), and sorting.
-CocoNumbers evaluate_coco(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region);
+CocoNumbers evaluate_coco(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region,
+                          const std::optional<OcclusionRange>& occlusion = std::nullopt);
 
 }  // namespace penumbra::nn

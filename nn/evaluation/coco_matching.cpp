@@ -27,7 +27,8 @@ std::vector<MatchOutcome> match_detections(std::span<const double> ious,
                                            const AreaRange& range) {
   const std::size_t count = ground_truths.size();
   const auto is_ignored = [&](std::size_t g) {
-    return ground_truths[g].is_crowd || !range.contains(ground_truths[g].area);
+    const GroundTruth& truth = ground_truths[g];
+    return truth.is_crowd || truth.set_aside || !range.contains(truth.area);
   };
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -1,10 +1,10 @@
 // Which detections of one category on one image count as found, at each of COCO's ten IoU thresholds.
 //
 // Detections choose in order of falling score. Each takes, among the ground truths that are still free and
-// meet it with IoU >= threshold, the one of largest IoU (of equal ones the last). Two kinds of ground truth
-// are ignored: crowds, and objects outside the range of areas asked for. They stand behind the others and are
-// taken only by detections that no other ground truth would take; crowds are taken any number of times.
-// A detection is then
+// meet it with IoU >= threshold, the one of largest IoU (of equal ones the last). Three kinds of ground truth
+// are ignored: crowds, objects outside the range of areas asked for, and those that the caller sets aside.
+// They stand behind the others and are taken only by detections that no other ground truth would take; crowds
+// are taken any number of times. A detection is then
 //   matched   it took a ground truth that counts: a true positive
 //   ignored   it took an ignored one, or took none and its own area is outside the range
 //   neither   a false positive
@@ -33,6 +33,7 @@ struct AreaRange {
 struct GroundTruth {
   double area = 0.0;
   bool is_crowd = false;
+  bool set_aside = false;
 };
 
 // Bit t of the sets stands for threshold t.

@@ -1,5 +1,7 @@
 #include "nn/models/box_head.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "nn/layers/activations.h"
@@ -9,7 +11,8 @@ namespace penumbra::nn {
 
 namespace {
 
-constexpr int kHidden = 1024;  // width of the two fully connected layers
+constexpr int kTorchvisionHidden = 1024;  // width of the fully connected layers
+constexpr int kMostHidden = 8192;         // more is a damaged file
 // Proposals that pass the layers together: enough to read the 51 MB of fc6's weights seldom, few enough that
 // the regions (25 MB) do not decide how much memory the network needs.
 constexpr std::size_t kProposalsPerPass = 500;
@@ -20,21 +23,26 @@ float output_at(const FeatureMap& map, int n, int c) { return map.pixel(n, c / k
 
 }  // namespace
 
-BoxHead::BoxHead(WeightReader& weights, const std::string& prefix, const BoxHeadConfig& config)
+BoxHead::BoxHead(WeightReader& weights, const std::string& prefix, int channels, const BoxHeadConfig& config)
     : config_(config) {
   const Shape logits = weights.shape(prefix + "box_predictor.cls_score.weight");
   classes_ =
       logits.empty() ? 91 : static_cast<int>(logits.front());  // where missing, COCO's, for the error's sake
   const int size = config.roi_align.size;
-  const auto layer = [&](const std::string& name, int outputs, int channels, int extent,
+  const auto layer = [&](const std::string& name, int outputs, int inputs, int extent,
                          Activation activation) {
-    return linear(weights.tensor(prefix + name + ".weight", {outputs, channels * extent * extent}),
-                  weights.vector(prefix + name + ".bias", outputs), channels, extent, extent, activation);
+    return linear(weights.tensor(prefix + name + ".weight", {outputs, inputs * extent * extent}),
+                  weights.vector(prefix + name + ".bias", outputs), inputs, extent, extent, activation);
   };
-  fc6_ = layer("box_head.fc6", kHidden, kPyramidChannels, size, Activation::relu);
-  fc7_ = layer("box_head.fc7", kHidden, kHidden, 1, Activation::relu);
-  class_logits_ = layer("box_predictor.cls_score", classes_, kHidden, 1, Activation::none);
-  box_deltas_ = layer("box_predictor.bbox_pred", classes_ * 4, kHidden, 1, Activation::none);
+  const Shape first = weights.shape(prefix + "box_head.fc6.weight");
+  const bool plausible = !first.empty() && first.front() > 0 && first.front() <= kMostHidden;
+  const int width = plausible ? static_cast<int>(first.front()) : kTorchvisionHidden;
+  hidden_.push_back(layer("box_head.fc6", width, channels, size, Activation::relu));
+  for (int k = 1; k < config.layers; ++k) {
+    hidden_.push_back(layer(fmt::format("box_head.fc{}", 6 + k), width, width, 1, Activation::relu));
+  }
+  class_logits_ = layer("box_predictor.cls_score", classes_, width, 1, Activation::none);
+  box_deltas_ = layer("box_predictor.bbox_pred", classes_ * 4, width, 1, Activation::none);
 }
 
 ArenaVector<ScoredBox> BoxHead::operator()(std::span<const PyramidLevel> pyramid,
@@ -61,8 +69,7 @@ ArenaVector<ScoredBox> BoxHead::operator()(std::span<const PyramidLevel> pyramid
 void BoxHead::classify(std::span<const PyramidLevel> pyramid, std::span<const Box> proposals, int capacity,
                        const ImageExtent& image, Candidates& candidates, Arena& arena) const {
   FeatureMap features = multi_scale_roi_align(pyramid, proposals, config_.roi_align, arena, 0, capacity);
-  features = fc6_(features, arena);
-  features = fc7_(features, arena);
+  for (const Conv2d& layer : hidden_) features = layer(features, arena);
   const FeatureMap logits = class_logits_(features, arena), deltas = box_deltas_(features, arena);
 
   ArenaVector<float> probabilities(arena, static_cast<std::size_t>(classes_));

@@ -1,9 +1,9 @@
 // Box head: names each proposal and refines its box.
 //
-//   f = relu(W_7 relu(W_6 flatten(RoIAlign_7x7(P, proposal))));  class logits = W_c f, box deltas (4 a class)
-//   = W_b f scores = softmax(logits); boxes decoded with weights (10, 10, 5, 5) and clipped to the image;
-//   keep scores > 0.05 of classes >= 1 (0 is background) with sides of 0.01 or more, NMS per class at 0.5,
-//   best 100
+//   f = relu(W_7 relu(W_6 flatten(RoIAlign_7x7(P, proposal)))), or without W_7;  class logits = W_c f, box
+//   deltas (4 a class) = W_b f scores = softmax(logits); boxes decoded with weights (10, 10, 5, 5) and
+//   clipped to the image; keep scores > 0.05 of classes >= 1 (0 is background) with sides of 0.01 or more,
+//   NMS per class at 0.5, best 100
 //
 // Source: Girshick 2015, Fast R-CNN; torchvision.models.detection.roi_heads.RoIHeads.postprocess_detections.
 #pragma once
@@ -21,6 +21,7 @@
 namespace penumbra::nn {
 
 struct BoxHeadConfig {
+  int layers = 2;  // hidden fully connected layers: W_6, or W_6 and W_7; the weights decide their width
   RoiAlignOptions roi_align{7, 2};
   float score_threshold = 0.05F;
   float nms_threshold = 0.5F;
@@ -38,7 +39,8 @@ class BoxHead {
  public:
   BoxHead() = default;
   // The weights decide the number of classes, background included.
-  BoxHead(WeightReader& weights, const std::string& prefix, const BoxHeadConfig& config);
+  // `channels` are those of the pyramid.
+  BoxHead(WeightReader& weights, const std::string& prefix, int channels, const BoxHeadConfig& config);
 
   int classes() const { return classes_; }
 
@@ -53,7 +55,8 @@ class BoxHead {
 
   BoxHeadConfig config_;
   int classes_ = 0;
-  Conv2d fc6_, fc7_, class_logits_, box_deltas_;
+  std::vector<Conv2d> hidden_;  // fc6, fc7
+  Conv2d class_logits_, box_deltas_;
 };
 
 }  // namespace penumbra::nn

@@ -2,33 +2,53 @@
 
 #include <fmt/format.h>
 
+#include "nn/base/error.h"
 #include "nn/layers/pooling.h"
 #include "nn/layers/upsample.h"
 
 namespace penumbra::nn {
 
+namespace {
+
+constexpr int kTorchvisionChannels = 256;
+constexpr int kMostChannels = 1024;  // more is a damaged file, whose network would not fit into memory
+
+int pyramid_channels(const WeightReader& weights, const std::string& prefix) {
+  const Shape shape = weights.shape(prefix + "inner_blocks.0.0.weight");
+  if (shape.empty()) return kTorchvisionChannels;  // missing: torchvision's, for the error's sake
+  if (shape.front() < kBlock || shape.front() > kMostChannels || shape.front() % kBlock != 0) {
+    throw InputError(weights.source() + ", " + prefix + "inner_blocks.0.0.weight",
+                     fmt::format("a multiple of {} channels, at most {}", kBlock, kMostChannels),
+                     to_string(shape));
+  }
+  return static_cast<int>(shape.front());
+}
+
+}  // namespace
+
 FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix,
                                const std::array<int, 4>& stage_channels, bool attention) {
+  channels_ = pyramid_channels(weights, prefix);
   if (!attention) weights.ignore(prefix + "attention.");
   attention = attention && weights.has(prefix + "attention.0.spatial.weight");
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const std::string inner = fmt::format("{}inner_blocks.{}.0.", prefix, k);
     const std::string outer = fmt::format("{}layer_blocks.{}.0.", prefix, k);
     Level& level = levels_[k];
-    level.lateral = Conv2d(weights.tensor(inner + "weight", {kPyramidChannels, stage_channels[k], 1, 1}),
-                           weights.vector(inner + "bias", kPyramidChannels), {});
+    level.lateral = Conv2d(weights.tensor(inner + "weight", {channels_, stage_channels[k], 1, 1}),
+                           weights.vector(inner + "bias", channels_), {});
     Conv2dOptions options;
     options.padding = 1;
-    level.output = Conv2d(weights.tensor(outer + "weight", {kPyramidChannels, kPyramidChannels, 3, 3}),
-                          weights.vector(outer + "bias", kPyramidChannels), options);
+    level.output = Conv2d(weights.tensor(outer + "weight", {channels_, channels_, 3, 3}),
+                          weights.vector(outer + "bias", channels_), options);
     if (!attention) continue;
     const std::string name = fmt::format("{}attention.{}.", prefix, k);
     const Shape reduce = weights.shape(name + "channel.reduce.weight");
-    const std::int64_t hidden = reduce.empty() ? kPyramidChannels / 16 : reduce.front();
-    level.attention = MixedAttention(
-        SpatialAttention(weights.tensor(name + "spatial.weight", {1, 2, 7, 7})),
-        ChannelAttention(weights.tensor(name + "channel.reduce.weight", {hidden, kPyramidChannels}),
-                         weights.tensor(name + "channel.expand.weight", {kPyramidChannels, hidden})));
+    const std::int64_t hidden = reduce.empty() ? channels_ / 16 : reduce.front();
+    level.attention =
+        MixedAttention(SpatialAttention(weights.tensor(name + "spatial.weight", {1, 2, 7, 7})),
+                       ChannelAttention(weights.tensor(name + "channel.reduce.weight", {hidden, channels_}),
+                                        weights.tensor(name + "channel.expand.weight", {channels_, hidden})));
   }
 }
 

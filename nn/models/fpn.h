@@ -5,11 +5,12 @@
 //   T_n  = Upsample(T_{n+1}) + W'_n,  T_5 = W'_5   top-down                        papers.md (3)
 //   P_n  = Conv3x3(T_n),  n = 2..5;                P_6 = P_5 at every second pixel
 //
-// Without attention weights SA and CA are the identity: the plain FPN. All P_n have 256 channels.
+// Without attention weights SA and CA are the identity: the plain FPN. All P_n have C channels, which the
+// weights decide: 256 in torchvision's networks.
 // Weights: fpn.inner_blocks.k.0 and fpn.layer_blocks.k.0 as torchvision; attention, ours, for level
 // k = n - 2:
-//   fpn.attention.k.spatial.weight [1, 2, 7, 7], fpn.attention.k.channel.reduce.weight [256/r, 256],
-//   fpn.attention.k.channel.expand.weight [256, 256/r].
+//   fpn.attention.k.spatial.weight [1, 2, 7, 7], fpn.attention.k.channel.reduce.weight [C/r, C],
+//   fpn.attention.k.channel.expand.weight [C, C/r].
 // Source: Lin et al. 2017; papers.md A.1; torchvision.ops.FeaturePyramidNetwork.
 #pragma once
 
@@ -23,17 +24,17 @@
 
 namespace penumbra::nn {
 
-constexpr int kPyramidChannels = 256;
 constexpr int kPyramidLevels = 5;  // P2..P6
 
 class FeaturePyramid {
  public:
   FeaturePyramid() = default;
   // `stage_channels` are those of C2..C5. `attention` false leaves out the attention that the weights may
-  // have.
+  // have. Throws InputError unless the number of channels is a multiple of 16, at most 1024.
   FeaturePyramid(WeightReader& weights, const std::string& prefix, const std::array<int, 4>& stage_channels,
                  bool attention = true);
 
+  int channels() const { return channels_; }
   bool has_attention() const { return levels_.front().attention.has_value(); }
 
   // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them. Gives a stage's
@@ -45,6 +46,7 @@ class FeaturePyramid {
     Conv2d lateral, output;
     std::optional<MixedAttention> attention;
   };
+  int channels_ = 0;
   std::array<Level, 4> levels_;
 };
 

@@ -14,25 +14,24 @@ constexpr std::size_t kDetectionsPerPass = 16;  // that pass the layers together
 
 }  // namespace
 
-MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int classes,
+MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int channels, int classes,
                    const MaskHeadConfig& config)
     : config_(config) {
   Conv2dOptions options;
   options.padding = 1;
   options.activation = Activation::relu;
-  for (std::size_t i = 0; i < convolutions_.size(); ++i) {
+  for (int i = 0; i < config.layers; ++i) {
     const std::string name = fmt::format("{}mask_head.{}.0.", prefix, i);
-    convolutions_[i] = Conv2d(weights.tensor(name + "weight", {kPyramidChannels, kPyramidChannels, 3, 3}),
-                              weights.vector(name + "bias", kPyramidChannels), options);
+    convolutions_.emplace_back(weights.tensor(name + "weight", {channels, channels, 3, 3}),
+                               weights.vector(name + "bias", channels), options);
   }
   const std::string predictor = prefix + "mask_predictor.";
   ConvTranspose2dOptions doubling;
   doubling.stride = 2;
   doubling.activation = Activation::relu;
-  upsample_ = ConvTranspose2d(
-      weights.tensor(predictor + "conv5_mask.weight", {kPyramidChannels, kPyramidChannels, 2, 2}),
-      weights.vector(predictor + "conv5_mask.bias", kPyramidChannels), doubling);
-  logit_weight_ = weights.tensor(predictor + "mask_fcn_logits.weight", {classes, kPyramidChannels, 1, 1});
+  upsample_ = ConvTranspose2d(weights.tensor(predictor + "conv5_mask.weight", {channels, channels, 2, 2}),
+                              weights.vector(predictor + "conv5_mask.bias", channels), doubling);
+  logit_weight_ = weights.tensor(predictor + "mask_fcn_logits.weight", {classes, channels, 1, 1});
   logit_bias_ = weights.vector(predictor + "mask_fcn_logits.bias", classes);
 }
 
@@ -65,7 +64,8 @@ void MaskHead::predict(std::span<const PyramidLevel> pyramid, std::span<const Sc
 #pragma omp parallel for
   for (std::size_t d = 0; d < detections.size(); ++d) {
     const auto label = static_cast<std::size_t>(detections[d].label);
-    const float* weight = logit_weight_.values.data() + label * kPyramidChannels;
+    const float* weight =
+        logit_weight_.values.data() + label * static_cast<std::size_t>(logit_weight_.extent(1));
     float* out = probabilities.data() + start + d * static_cast<std::size_t>(size * size);
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) {

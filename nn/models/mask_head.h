@@ -1,14 +1,13 @@
 // Mask head: a 28 x 28 probability map for each detection, of its own class only.
 //
-//   m = relu(ConvTranspose2x2(f)),  f = four times relu(Conv3x3) of RoIAlign_14x14(P, box)
-//   probabilities = sigmoid(w_label . m + b_label)
+//   m = relu(ConvTranspose2x2(f)),  f = four times (or `layers` times) relu(Conv3x3) of RoIAlign_14x14(P,
+//   box) probabilities = sigmoid(w_label . m + b_label)
 //
-// The last layer has one output a class; only the detection's class is computed: 256 multiply-adds a pixel,
-// not 256 times the classes. Source: He et al. 2017, Mask R-CNN, figure 4 right;
+// The last layer has one output a class; only the detection's class is computed: one multiply-add a channel
+// and pixel, not one a class. Source: He et al. 2017, Mask R-CNN, figure 4 right;
 // torchvision.models.detection.mask_rcnn.
 #pragma once
 
-#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,13 +19,16 @@
 namespace penumbra::nn {
 
 struct MaskHeadConfig {
+  int layers = 4;  // 3 x 3 convolutions
   RoiAlignOptions roi_align{14, 2};
 };
 
 class MaskHead {
  public:
   MaskHead() = default;
-  MaskHead(WeightReader& weights, const std::string& prefix, int classes, const MaskHeadConfig& config);
+  // `channels` are those of the pyramid.
+  MaskHead(WeightReader& weights, const std::string& prefix, int channels, int classes,
+           const MaskHeadConfig& config);
 
   int mask_size() const { return 2 * config_.roi_align.size; }  // 28
 
@@ -40,9 +42,9 @@ class MaskHead {
                ArenaVector<float>& probabilities, Arena& arena) const;
 
   MaskHeadConfig config_;
-  std::array<Conv2d, 4> convolutions_;
+  std::vector<Conv2d> convolutions_;
   ConvTranspose2d upsample_;
-  Tensor logit_weight_;            // [classes, 256, 1, 1]
+  Tensor logit_weight_;            // [classes, channels, 1, 1]
   std::vector<float> logit_bias_;  // [classes]
 };
 

@@ -1,9 +1,12 @@
 #include "nn/models/mask_rcnn.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "nn/base/error.h"
+#include "nn/models/weight_metadata.h"
 
 namespace penumbra::nn {
 
@@ -40,15 +43,27 @@ StateDict with_current_names(const StateDict& weights) {
   return renamed;
 }
 
-float batch_norm_eps(const StateDict& weights, float otherwise) {
-  const auto found = weights.metadata.find("batch_norm_eps");
-  if (found == weights.metadata.end()) return otherwise;
-  char* end = nullptr;
-  const float eps = std::strtof(found->second.c_str(), &end);
-  if (end == found->second.c_str() || *end != '\0' || !(eps >= 0.0F && eps < 1.0F)) {
-    throw InputError(weights.source + ", metadata batch_norm_eps", "a number in [0, 1)", found->second);
-  }
-  return eps;
+// The config with what the weights say of themselves, and then with what the user asks for.
+MaskRcnnConfig with_metadata(const StateDict& weights, MaskRcnnConfig config) {
+  const auto set = [&](const char* key, int& value, int least, int most) {
+    value = metadata_integer(weights, key, {static_cast<double>(least), static_cast<double>(most)})
+                .value_or(value);
+  };
+  config.batch_norm_eps = static_cast<float>(
+      metadata_number(weights, "batch_norm_eps", {0.0, 1.0}).value_or(config.batch_norm_eps));
+  set("box_head_layers", config.box_head.layers, 1, 2);
+  set("mask_head_layers", config.mask_head.layers, 1, 8);
+  set("min_size", config.transform.min_size, 32, 4096);
+  set("max_size", config.transform.max_size, 32, 8192);
+  set("rpn_candidates", config.rpn.candidates_per_level, 1, 10000);
+  set("rpn_proposals", config.rpn.proposals, 1, 10000);
+  const std::vector<double> sizes =
+      metadata_numbers(weights, "anchor_sizes", config.rpn.anchor_sizes.size(), {1.0, 4096.0});
+  std::transform(sizes.begin(), sizes.end(), config.rpn.anchor_sizes.begin(),
+                 [](double size) { return static_cast<float>(size); });
+  config.transform.min_size = config.min_size.value_or(config.transform.min_size);
+  config.transform.max_size = config.max_size.value_or(config.transform.max_size);
+  return config;
 }
 
 // Map pixels per image pixel, a power of two as torchvision infers it.
@@ -59,15 +74,16 @@ float level_scale(const FeatureMap& map, const ImageExtent& image) {
 
 }  // namespace
 
-MaskRcnn::MaskRcnn(const StateDict& state_dict, MaskRcnnConfig config) : config_(config) {
-  config_.batch_norm_eps = batch_norm_eps(state_dict, config.batch_norm_eps);
+MaskRcnn::MaskRcnn(const StateDict& state_dict, MaskRcnnConfig config)
+    : config_(with_metadata(state_dict, config)) {
   const StateDict renamed = with_current_names(state_dict);
   WeightReader weights(renamed);
   backbone_ = ResNet(weights, kBody, resnet_shape(weights, kBody), config_.batch_norm_eps);
   pyramid_ = FeaturePyramid(weights, "backbone.fpn.", backbone_.channels(), config_.attention);
-  rpn_ = RegionProposalNetwork(weights, "rpn.head.", config_.rpn);
-  box_head_ = BoxHead(weights, "roi_heads.", config_.box_head);
-  mask_head_ = MaskHead(weights, "roi_heads.", box_head_.classes(), config_.mask_head);
+  const int channels = pyramid_.channels();
+  rpn_ = RegionProposalNetwork(weights, "rpn.head.", channels, config_.rpn);
+  box_head_ = BoxHead(weights, "roi_heads.", channels, config_.box_head);
+  mask_head_ = MaskHead(weights, "roi_heads.", channels, box_head_.classes(), config_.mask_head);
   weights.finish(name());
 }
 

@@ -3,12 +3,21 @@
 //   image -> transform -> ResNet (C2..C5) -> FPN (P2..P6) -> RPN -> box head -> mask head -> masks on the
 //   image
 //
-// The weights decide the number of classes, the ResNet's depth and width, and whether the pyramid has
-// attention. Defaults are those of torchvision's maskrcnn_resnet50_fpn, whose results it reproduces.
+// The weights decide the number of classes, the ResNet's depth and width, the pyramid's channels and whether
+// it has attention. Defaults are those of torchvision's maskrcnn_resnet50_fpn, whose results it reproduces.
+// What tensors cannot tell of other networks stands in the weights' metadata and replaces the config's:
+//
+//   batch_norm_eps                       0..1
+//   box_head_layers, mask_head_layers    1..2, 1..8
+//   anchor_sizes                         five, for P2..P6, in pixels: "32,64,128,256,512"
+//   min_size, max_size                   image sides at the network, pixels; see nn/io/image_transform.h
+//   rpn_candidates, rpn_proposals        the best of a level, of an image
+//
 // Source: He et al. 2017; papers.md A.1; torchvision.models.detection.
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,12 +39,14 @@ struct MaskRcnnConfig {
   float batch_norm_eps = 1e-5F;  // 0 for torchvision's released COCO_V1 weights
   float mask_threshold = 0.5F;
   bool attention = true;  // false: leave out attention weights, the baseline network
+  // Sizes that the user asks for, instead of the weights' own; pixels.
+  std::optional<int> min_size, max_size;
 };
 
 class MaskRcnn : public InstanceSegmenter {
  public:
   // Throws InputError that lists every tensor that is missing, mis-shaped or not part of the network.
-  // Metadata "batch_norm_eps" of the weights, where present, replaces the config's.
+  // The same for metadata that are no such numbers.
   explicit MaskRcnn(const StateDict& weights, MaskRcnnConfig config = {});
 
   std::string name() const override;

@@ -38,22 +38,21 @@ ArenaVector<int> best_logits(const ArenaVector<float>& logits, int count, Arena&
 
 }  // namespace
 
-RegionProposalNetwork::RegionProposalNetwork(WeightReader& weights, const std::string& prefix,
+RegionProposalNetwork::RegionProposalNetwork(WeightReader& weights, const std::string& prefix, int channels,
                                              const RpnConfig& config)
     : config_(config) {
   const int anchors = static_cast<int>(config.aspect_ratios.size());
   Conv2dOptions options;
   options.padding = 1;
   options.activation = Activation::relu;
-  conv_ = Conv2d(weights.tensor(prefix + "conv.0.0.weight", {kPyramidChannels, kPyramidChannels, 3, 3}),
-                 weights.vector(prefix + "conv.0.0.bias", kPyramidChannels), options);
+  conv_ = Conv2d(weights.tensor(prefix + "conv.0.0.weight", {channels, channels, 3, 3}),
+                 weights.vector(prefix + "conv.0.0.bias", channels), options);
   std::vector<float> bias = weights.vector(prefix + "cls_logits.bias", anchors);
   const std::vector<float> delta_bias = weights.vector(prefix + "bbox_pred.bias", anchors * 4);
   bias.insert(bias.end(), delta_bias.begin(), delta_bias.end());
-  predictor_ =
-      Conv2d(stack_rows(weights.tensor(prefix + "cls_logits.weight", {anchors, kPyramidChannels, 1, 1}),
-                        weights.tensor(prefix + "bbox_pred.weight", {anchors * 4, kPyramidChannels, 1, 1})),
-             bias, {});
+  predictor_ = Conv2d(stack_rows(weights.tensor(prefix + "cls_logits.weight", {anchors, channels, 1, 1}),
+                                 weights.tensor(prefix + "bbox_pred.weight", {anchors * 4, channels, 1, 1})),
+                      bias, {});
   for (std::size_t level = 0; level < anchors_.size(); ++level) {
     anchors_[level] = base_anchors(config.anchor_sizes[level], config.aspect_ratios);
   }

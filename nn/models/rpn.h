@@ -32,7 +32,9 @@ struct RpnConfig {
 class RegionProposalNetwork {
  public:
   RegionProposalNetwork() = default;
-  RegionProposalNetwork(WeightReader& weights, const std::string& prefix, const RpnConfig& config);
+  // `channels` are those of the pyramid.
+  RegionProposalNetwork(WeightReader& weights, const std::string& prefix, int channels,
+                        const RpnConfig& config);
 
   // Proposals in pixels of the network's input, best first.
   ArenaVector<Box> operator()(std::span<const FeatureMap> pyramid, const ImageExtent& image,

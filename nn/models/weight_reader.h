@@ -16,6 +16,7 @@ class WeightReader {
  public:
   explicit WeightReader(const StateDict& state_dict) : state_dict_(state_dict) {}
 
+  const std::string& source() const { return state_dict_.source; }  // the file, for messages
   bool has(const std::string& name) const { return state_dict_.tensors.contains(name); }
   // Shape of a tensor, or an empty shape where there is none; for sizes that the weights decide (classes).
   Shape shape(const std::string& name) const;

@@ -9,10 +9,10 @@
 namespace penumbra::slam {
 
 bool is_movable_class(std::string_view class_name) {
-  static constexpr std::array<std::string_view, 25> kMovable = {
-      "person", "pedestrian", "rider",   "bicycle",  "motorcycle", "car",   "van",    "bus", "train",
-      "tram",   "truck",      "trailer", "caravan",  "airplane",   "boat",  "bird",   "cat", "dog",
-      "horse",  "sheep",      "cow",     "elephant", "bear",       "zebra", "giraffe"};
+  static constexpr std::array<std::string_view, 26> kMovable = {
+      "person", "pedestrian", "rider", "cyclist", "bicycle",  "motorcycle", "car",   "van",    "bus",
+      "train",  "tram",       "truck", "trailer", "caravan",  "airplane",   "boat",  "bird",   "cat",
+      "dog",    "horse",      "sheep", "cow",     "elephant", "bear",       "zebra", "giraffe"};
   std::string lower(class_name);
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

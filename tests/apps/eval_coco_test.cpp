@@ -58,6 +58,29 @@ TEST_F(EvalCoco, TheTypeSaysWhatIsCompared) {
   EXPECT_EQ(eval("--type keypoints").exit_code, 2);
 }
 
+TEST_F(EvalCoco, ReportsApByTheHiddenShareOfTheObjects) {
+  files_.annotations["annotations"][0]["occlusion"] = 0.2;
+  files_.annotations["annotations"][1]["occlusion"] = 0.7;
+  const nlohmann::json report = nlohmann::json::parse(eval("--json --occlusion 0,0.3,0.6,0.9").out);
+  ASSERT_EQ(report["occlusion"].size(), 3U);
+  EXPECT_EQ(report["occlusion"][0]["objects"], 1);
+  EXPECT_EQ(report["occlusion"][2]["from"], 0.6);
+  EXPECT_NEAR(report["occlusion"][0]["bbox"]["AP"].get<double>(), 0.7, 1e-9);  // IoU 0.82: 7 of 10 thresholds
+  EXPECT_NEAR(report["occlusion"][0]["segm"]["AP"].get<double>(), 0.7, 1e-9);
+  EXPECT_TRUE(report["occlusion"][1]["bbox"]["AP"].is_null());
+  EXPECT_CONTAINS(eval("--occlusion 0,0.3,0.6,0.9").out, "0.6 to 0.9  1 objects");
+  EXPECT_FALSE(nlohmann::json::parse(eval("--json").out).contains("occlusion"));
+}
+
+TEST_F(EvalCoco, OcclusionRangesMustRiseAndNeedTheirKey) {
+  for (const char* wrong : {"0.5", "0.3,0.3", "0,0.6,0.3", "0,2", "a,b"}) {
+    EXPECT_EQ(eval(std::string("--occlusion ") + wrong).exit_code, 2) << wrong;
+  }
+  const ProgramResult result = eval("--occlusion 0,1");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_CONTAINS(result.err, "annotations, entry 0");
+}
+
 TEST_F(EvalCoco, WrongFilesAndArgumentsAreErrors) {
   files_.results[2]["image_id"] = 5;
   const ProgramResult result = eval();

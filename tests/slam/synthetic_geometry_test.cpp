@@ -125,7 +125,7 @@ TEST(SyntheticGeometry, InstanceMasksCoverExactlyTheirObjects) {
 }
 
 TEST(SyntheticGeometry, MovingCarsMoveAsTheirMotionSays) {
-  StreetSequence street({.preset = "crowded"});
+  StreetSequence street({.street = street_preset("crowded")});
   const StereoCamera& camera = street.camera();
   StreetFrame frame;
   street.render(8, frame);

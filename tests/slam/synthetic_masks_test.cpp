@@ -35,7 +35,7 @@ std::vector<InstanceMasks> masks_in(const World& world, const StereoCamera& came
 }
 
 TEST(SyntheticMasks, VisibleMasksAreTheIdImageAndLieInsideTheWholeOnes) {
-  StreetSequence street({.preset = "crowded", .annotations = true});
+  StreetSequence street({.street = street_preset("crowded"), .annotations = true});
   StreetFrame frame;
   int hidden = 0;
   for (const int i : {0, 30}) {

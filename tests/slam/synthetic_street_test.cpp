@@ -135,6 +135,85 @@ TEST(SyntheticStreet, HousesAndParkedCarsNeverStandInTheDrivesWay) {
   }
 }
 
+// No two cars, nor the camera and a car, come closer than neighbouring lanes are apart.
+void expect_no_collision(const Drive& drive, const World& world) {
+  const auto place_of = [](const SE3& pose) {
+    return Eigen::Vector2d(pose.translation.x(), pose.translation.z());
+  };
+  std::vector<const Object*> cars;
+  for (const Object& object : world.objects) {
+    if (object.motion.moves && object.object_class != ObjectClass::person &&
+        object.object_class != ObjectClass::cyclist) {
+      cars.push_back(&object);
+    }
+  }
+  for (std::size_t frame = 0; frame < drive.poses.size(); frame += 4) {
+    const TimedPose& pose = drive.poses[frame];
+    std::vector<Eigen::Vector2d> places{place_of(pose.T_wc)};
+    for (const Object* car : cars) places.push_back(pose_at(world, *car, pose.timestamp).position);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) ASSERT_GT((places[i] - places[k]).norm(), 2.3) << "frame " << frame;
+    }
+  }
+}
+
+TEST(SyntheticStreet, NothingRunsIntoAnythingWhereAFigureOfEightCrossesItself) {
+  const Drive eight = make_drive("eight", 1150);
+  for (const char* preset : {"street", "crowded", "lorry"}) {
+    const World world = build_street(eight, street_preset(preset), 3);
+    expect_clear_drive(eight, world);
+    expect_no_collision(eight, world);
+    // Both roads run on through the crossing, which is a junction.
+    EXPECT_TRUE(world.road_map.at(0.0F, 40.0F).junction);
+    for (const float away : {-30.0F, 30.0F}) {
+      EXPECT_FALSE(world.road_map.at(0.0F, 40.0F + away).junction);
+      EXPECT_LT(world.road_map.at(away, 40.0F).distance, 4.0F);
+      EXPECT_LT(world.road_map.at(0.0F, 40.0F + away).distance, 4.0F);
+    }
+  }
+}
+
+TEST(SyntheticStreet, AFigureOfEightClosesAfterAsManyFramesAsDocumented) {
+  const Drive eight = make_drive("eight", 1200);
+  const auto place = [&](std::size_t i) { return eight.poses[i].T_wc.translation; };
+  EXPECT_LT((place(575) - place(0)).norm(), 0.8);
+  EXPECT_LT(std::abs(place(50).x()), 0.01);  // on the crossing for the first time, heading along z
+  EXPECT_NEAR(place(50).z(), 40.0, 0.5);
+}
+
+TEST(SyntheticStreet, APlaceLooksTheSameAgainExceptForWhatMoves) {
+  StreetSequence street({.path = "eight", .frames = 600});
+  const SE3 pose = street.poses()[10].T_wc;
+  RayCaster caster(street.world());
+  RenderedView first, again;
+  caster.render(street.camera(), pose, 1.0, first);
+  caster.render(street.camera(), pose, 58.5, again);
+  std::vector<bool> moves(65536, false);
+  for (const Object& object : street.world().objects) moves[object.instance] = object.motion.moves;
+  int compared = 0, same = 0;
+  for (int v = 0; v < 188; ++v) {
+    for (int u = 0; u < 620; ++u) {
+      if (moves[first.instance(v, u)] || moves[again.instance(v, u)]) continue;
+      ++compared;
+      EXPECT_EQ(first.depth(v, u), again.depth(v, u));
+      same += first.radiance(v, u) == again.radiance(v, u) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(compared, 620 * 188 / 2);
+  EXPECT_GT(same, compared * 97 / 100);  // the rest are silhouettes and shadows of what moved
+}
+
+TEST(SyntheticStreet, StreetsAroundKittiDrivesAreClearOfHousesAndCars) {
+  PENUMBRA_REAL_DATA(folder, "kitti/poses");
+  for (const char* name : {"00", "01", "04", "05", "06", "07", "09", "10"}) {
+    SCOPED_TRACE(name);
+    const Drive drive = load_drive(folder / (std::string(name) + ".txt"), 0);
+    const World world = build_street(drive, street_preset("street"), 1);
+    expect_clear_drive(drive, world);
+    expect_no_collision(drive, world);
+  }
+}
+
 TEST(SyntheticStreet, AKittiDriveKeepsItsPositionsAndHeadings) {
   PENUMBRA_REAL_DATA(file, "kitti/poses/07.txt");
   const Drive drive = load_drive(file, 0);
@@ -199,7 +278,7 @@ TEST(SyntheticStreet, PathsThatNoCarDrivesStillRender) {
 }
 
 TEST(SyntheticStreet, SettingsThatMakeNoSenseAreUsageErrors) {
-  EXPECT_THROW(StreetSequence({.preset = "jungle"}), UsageError);
+  EXPECT_THROW(StreetSequence({.street = street_preset("jungle")}), UsageError);
   EXPECT_THROW(StreetSequence({.path = "spiral"}), UsageError);
   EXPECT_THROW(StreetSequence({.frames = -1}), UsageError);
   EXPECT_THROW(StreetSequence({.size = {0, 188}}), UsageError);

@@ -53,10 +53,11 @@ class CocoFiles {
     std::ofstream(annotations_path()) << annotations;
     std::ofstream(results_path()) << results;
   }
-  nn::CocoNumbers evaluate(nn::CocoRegion region = nn::CocoRegion::boxes) const {
+  nn::CocoNumbers evaluate(nn::CocoRegion region = nn::CocoRegion::boxes,
+                           const std::optional<nn::OcclusionRange>& occlusion = std::nullopt) const {
     write();
     const nn::CocoAnnotations truth = nn::read_coco_annotations(annotations_path());
-    return nn::evaluate_coco(truth, nn::read_coco_results(results_path(), truth), region);
+    return nn::evaluate_coco(truth, nn::read_coco_results(results_path(), truth), region, occlusion);
   }
 
   TemporaryDirectory folder;

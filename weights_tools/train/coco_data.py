@@ -11,7 +11,7 @@ import torch
 def decode_counts(text):
     """Run lengths from COCO's compressed text: 5 bits a character, each run after the second less the one two before."""
     counts, position = [], 0
-    codes = text.encode() if isinstance(text, str) else text
+    codes = text.encode()
     while position < len(codes):
         value, shift, more = 0, 0, True
         while more:
@@ -37,13 +37,16 @@ def decode_mask(segmentation, height, width):
             cv2.fillPoly(mask, [corners], 1)
         return mask
     counts = segmentation["counts"]
-    if not isinstance(counts, list):
-        counts = decode_counts(counts)
+    if isinstance(counts, str):
+        counts = segmentation["counts"] = np.array(decode_counts(counts))  # kept: decoding takes longest
     values = (np.arange(len(counts)) & 1).astype(np.uint8)
     flat = np.repeat(values, counts)
     if flat.size != height * width:
         raise ValueError(f"a mask of {flat.size} pixels for an image of {width}x{height}")
     return flat.reshape(width, height).T
+
+
+LUMA = np.array([[0.299], [0.587], [0.114]], np.float32)  # of red, green, blue: what a grey camera sees
 
 
 class CocoData:
@@ -89,7 +92,7 @@ class CocoData:
             boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
         pixels = image[:, :, ::-1].astype(np.float32) * (gain / 255.0) + offset
         if grey:
-            pixels = np.repeat(pixels.mean(2, keepdims=True), 3, 2)
+            pixels = np.repeat(pixels @ LUMA, 3, 2)
         pixels = np.clip(pixels, 0.0, 1.0)
         target = {"boxes": torch.from_numpy(boxes), "labels": torch.tensor([label for label, _, _ in objects]),
                   "masks": torch.from_numpy(np.ascontiguousarray(masks))}
@@ -99,8 +102,8 @@ class CocoData:
 class Batches:
     """Endless batches in an order that depends on the seed alone; batch k is the same after any resume."""
 
-    def __init__(self, data, size, seed):
-        self.data, self.size, self.seed = data, size, seed
+    def __init__(self, data, size, seed, grey=0.15):
+        self.data, self.size, self.seed, self.grey = data, size, seed, grey  # grey: share of images without colour
 
     def index(self, position):
         epoch, place = divmod(position, len(self.data))
@@ -113,7 +116,7 @@ class Batches:
         for position in range(k * self.size, (k + 1) * self.size):
             batch.append(self.data.sample(self.index(position), flip=random.random() < 0.5,
                                           gain=random.uniform(0.8, 1.25), offset=random.uniform(-0.05, 0.05),
-                                          grey=random.random() < 0.15))
+                                          grey=random.random() < self.grey))
         return [image for image, _ in batch], [target for _, target in batch]
 
 

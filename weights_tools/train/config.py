@@ -35,7 +35,7 @@ CONFIGS = {
     "tiny": Config(
         name="tiny", classes=("person", "cyclist", "car", "truck", "sign"), width=16, pyramid_channels=64, box_layers=1,
         box_width=256, mask_layers=2, reduction=4, anchor_sizes=(12, 24, 48, 96, 192), min_size=188, max_size=620,
-        batch_norm_eps=1e-5, frozen_norm=False, candidates=200, proposals=150, boxes_per_image=64, anchors_per_image=128,
+        batch_norm_eps=1e-5, frozen_norm=False, candidates=200, proposals=150, boxes_per_image=32, anchors_per_image=128,
         batch=4, learning_rate=1.5e-3, semantic_weight=1.0),
     "full": Config(
         name="full", classes=(), width=64, pyramid_channels=256, box_layers=2, box_width=1024, mask_layers=4, reduction=16,

@@ -1,8 +1,18 @@
-"""AP of a weights file on a COCO-format data set: Penumbra's own engine and evaluation, as the weights will be used."""
+#!/usr/bin/python3
+"""AP of a weights file on a COCO-format data set: Penumbra's own engine and evaluation, as the weights will be used.
+
+  evaluate.py out/attention_1/weights.safetensors --annotations val/instances.json --images val --out out/attention_1
+
+Writes results.json and ap.json to --out; with --stamp also box_AP and mask_AP into the weights' metadata. train.py does the same at its end where it is given a validation set.
+"""
+import argparse
 import json
 import pathlib
 import subprocess
 
+import safetensors_file
+
+PENUMBRA = str(pathlib.Path(__file__).resolve().parents[2] / "build" / "penumbra")
 OCCLUSION = "0,0.3,0.6,0.9"  # bounds of the ranges of hidden share
 NAMES = ("AP", "AP50", "AP75", "APs", "APm", "APl")
 
@@ -12,13 +22,22 @@ def has_occlusion(annotations):
 
 
 def evaluate(penumbra, weights, annotations, images, out):
-    """`penumbra eval-coco --json` of what `penumbra segment` finds; leaves results.json in `out`."""
+    """`penumbra eval-coco --json` of what `penumbra segment` finds; writes results.json and ap.json to `out`."""
     subprocess.run([penumbra, "segment", "--coco-images", str(images), "--annotations", str(annotations),
                     "--weights", str(weights), "--out", str(out)], check=True)
     command = [penumbra, "eval-coco", "--annotations", str(annotations), "--results", str(out) + "/results.json", "--json"]
     if has_occlusion(annotations):
         command += ["--occlusion", OCCLUSION]
-    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+    numbers = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+    (pathlib.Path(out) / "ap.json").write_text(json.dumps(numbers, indent=1) + "\n")
+    return numbers
+
+
+def stamp(weights, numbers):
+    """Writes the AP into the metadata of the weights file."""
+    state, metadata = safetensors_file.load(weights)
+    metadata.update(box_AP=f"{numbers['bbox']['AP']:.4f}", mask_AP=f"{numbers['segm']['AP']:.4f}")
+    safetensors_file.save(weights, state, metadata)
 
 
 def percent(value):
@@ -28,3 +47,22 @@ def percent(value):
 def summary(numbers):
     return "\n".join(f"{kind}: " + "  ".join(f"{n} {percent(numbers[kind][n])}" for n in NAMES)
                      for kind in ("bbox", "segm"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("weights")
+    parser.add_argument("--annotations", required=True)
+    parser.add_argument("--images", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--penumbra", default=PENUMBRA)
+    parser.add_argument("--stamp", action="store_true")
+    options = parser.parse_args()
+    numbers = evaluate(options.penumbra, options.weights, options.annotations, options.images, options.out)
+    if options.stamp:
+        stamp(options.weights, numbers)
+    print(summary(numbers))
+
+
+if __name__ == "__main__":
+    main()

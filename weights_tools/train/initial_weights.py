@@ -1,14 +1,25 @@
 """Weights to start a training from."""
 import torch
 
+import safetensors_file
+from model import fold_gains
+
+
+def read_state(path):
+    """A state dict of train.py's checkpoint.pt, of its weights.safetensors, or torchvision's."""
+    if str(path).endswith(".safetensors"):
+        state, _ = safetensors_file.load(path)
+        has_attention = any(".attention." in name for name in state)
+        return fold_gains(state, 0.5) if has_attention else state  # back to gates of 2 sigmoid
+    saved = torch.load(path, map_location="cpu")
+    return saved["model"] if "optimizer" in saved else saved
+
 
 def load_initial(model, path):
-    """Loads torchvision's state dict or a checkpoint of train.py. The attention may be missing there: it then starts
-    as the identity, so that the network begins with the outputs of those weights. Anything else must fit."""
-    saved = torch.load(path, map_location="cpu")
-    state = saved["model"] if "optimizer" in saved else saved
-    missing, superfluous = model.load_state_dict(
-        {name: value.float() if value.is_floating_point() else value for name, value in state.items()}, strict=False)
+    """Loads weights. The attention may be missing there: it then starts as the identity, so that the network begins
+    with the outputs of those weights. Anything else must fit."""
+    state = {name: value.float() if value.is_floating_point() else value for name, value in read_state(path).items()}
+    missing, superfluous = model.load_state_dict(state, strict=False)
     missing = [name for name in missing if ".attention." not in name and not name.endswith("num_batches_tracked")]
     if missing or superfluous:
         raise SystemExit(f"{path}: missing {missing}, superfluous {superfluous}")

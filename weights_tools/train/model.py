@@ -85,8 +85,8 @@ class SemanticHead(nn.Module):
         return F.cross_entropy(logits, target)
 
 
-def build(config, attention):
-    """The network of `config` with random weights, ready to train."""
+def build(config, attention, gain=2.0):
+    """The network of `config` with random weights, ready to train; a gain of 1 for weights that export.py wrote."""
     if config.frozen_norm:
         norm = lambda channels: FrozenBatchNorm2d(channels, eps=config.batch_norm_eps)
     else:
@@ -107,5 +107,5 @@ def build(config, attention):
         mask_head=MaskRCNNHeads(channels, (channels,) * config.mask_layers, 1),
         mask_predictor=mask_predictor)
     if attention:
-        add_mixed_attention(model, reduction=config.reduction, gain=2.0)
+        add_mixed_attention(model, reduction=config.reduction, gain=gain)
     return model

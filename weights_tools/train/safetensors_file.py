@@ -1,9 +1,24 @@
-"""Writes safetensors: an 8-byte header length, the header as JSON, then the tensors' bytes."""
+"""Reads and writes safetensors: an 8-byte header length, the header as JSON, then the tensors' bytes."""
 import json
+import pathlib
 
 import torch
 
 DTYPES = {torch.float32: "F32", torch.float16: "F16"}
+
+
+def load(path):
+    """All tensors as f32, and the metadata."""
+    data = pathlib.Path(path).read_bytes()
+    start = 8 + int.from_bytes(data[:8], "little")
+    header = json.loads(data[8:start])
+    metadata, state = header.pop("__metadata__", {}), {}
+    types = {name: dtype for dtype, name in DTYPES.items()}
+    for name, entry in header.items():
+        begin, end = (start + offset for offset in entry["data_offsets"])
+        tensor = torch.frombuffer(bytearray(data[begin:end]), dtype=types[entry["dtype"]])
+        state[name] = tensor.reshape(entry["shape"]).float()
+    return state, metadata
 
 
 def save(path, state, metadata):

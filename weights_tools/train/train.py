@@ -30,8 +30,6 @@ from export import export
 from initial_weights import load_initial
 from model import SemanticHead, build
 
-HERE = pathlib.Path(__file__).resolve().parent
-
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -43,17 +41,19 @@ def arguments():
     parser.add_argument("--val-images")
     parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--steps", type=int, default=1000)
+    parser.add_argument("--stop", type=int, help="stop after this step of the schedule; run again to go on")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--batch", type=int, help="images a step")
     parser.add_argument("--learning-rate", type=float)
     parser.add_argument("--scale", type=float, default=1.0,
                         help="train on images of this scale; half the size costs a quarter, for the first steps")
+    parser.add_argument("--grey", type=float, default=0.15, help="share of images without colour, for grey cameras")
     parser.add_argument("--gate-rate", type=float, default=1.0, help="learning rate of the attention, times the others'")
     parser.add_argument("--weight-decay", type=float, default=0.01)
     parser.add_argument("--init", help="weights to start from: torchvision's .pth or a checkpoint.pt of this script")
     parser.add_argument("--checkpoint-every", type=int, default=100, help="steps")
     parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
-    parser.add_argument("--penumbra", default=str(HERE.parents[1] / "build" / "penumbra"), help="for the validation")
+    parser.add_argument("--penumbra", default=evaluate.PENUMBRA, help="for the validation")
     return parser.parse_args()
 
 
@@ -82,7 +82,7 @@ class Training:
         self.peak = options.learning_rate or self.config.learning_rate
         data = CocoData(options.annotations, options.images, self.config.classes, scale=options.scale)
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
-        self.batches = Batches(data, options.batch or self.config.batch, options.seed)
+        self.batches = Batches(data, options.batch or self.config.batch, options.seed, options.grey)
         torch.manual_seed(options.seed)
         self.model = build(self.config, options.attention)
         if options.init:
@@ -141,18 +141,18 @@ class Training:
         return {name: float(value) for name, value in losses.items()}
 
     def run(self):
-        sums, counted = {}, 0
-        while self.step < self.options.steps:
+        sums, counted, last = {}, 0, min(self.options.steps, self.options.stop or self.options.steps)
+        while self.step < last:
             start = time.monotonic()
             losses = self.one_step()
             self.seconds += time.monotonic() - start
             for name, value in losses.items():
                 sums[name] = sums.get(name, 0.0) + value
             counted += 1
-            if self.step % 20 == 0 or self.step == self.options.steps:
+            if self.step % 20 == 0 or self.step == last:
                 self.report({name: value / counted for name, value in sums.items()})
                 sums, counted = {}, 0
-            if self.step % self.options.checkpoint_every == 0 or self.step == self.options.steps:
+            if self.step % self.options.checkpoint_every == 0 or self.step == last:
                 self.save()
 
     def report(self, losses):
@@ -164,18 +164,16 @@ class Training:
               + ", ".join(f"{n.removeprefix('loss_')} {v:.3f}" for n, v in losses.items()), file=sys.stderr, flush=True)
 
     def finish(self):
-        """Writes the weights; validates them, and writes them again with their AP."""
+        """Writes the weights; validates them and notes their AP in their metadata."""
         options = self.options
         weights = options.out / "weights.safetensors"
-        facts = dict(training_data=options.data_name or options.annotations, seed=options.seed, steps=options.steps,
+        facts = dict(training_data=options.data_name or pathlib.Path(options.annotations).stem, seed=options.seed, steps=options.steps,
                      images_per_step=self.batches.size)
         export(weights, self.model, self.config, options.attention, **facts)
         if not options.val_annotations:
             return
         numbers = evaluate.evaluate(options.penumbra, weights, options.val_annotations, options.val_images, options.out)
-        (options.out / "ap.json").write_text(json.dumps(numbers, indent=1) + "\n")
-        facts.update(box_AP=round(numbers["bbox"]["AP"], 4), mask_AP=round(numbers["segm"]["AP"], 4))
-        export(weights, self.model, self.config, options.attention, **facts)
+        evaluate.stamp(weights, numbers)
         print(evaluate.summary(numbers))
 
 

@@ -9,9 +9,11 @@ namespace {
 
 Colour asphalt(const World& world, const RoadPoint& road, float x, float z, float detail,
                const Eigen::Vector3f& fp) {
-  const float coarse = fractal_noise(x, z, detail, {5.0F, 2, 0.75F}, world.seed + 100U);
-  const float grain = fractal_noise(x, z, detail, {0.5F, 7, 1.0F}, world.seed + 110U);
+  const float coarse = world.texture * fractal_noise(x, z, detail, {5.0F, 2, 0.75F}, world.seed + 100U);
+  const float grain = world.texture * fractal_noise(x, z, detail, {0.5F, 7, 1.0F}, world.seed + 110U);
   float tone = 0.12F * std::max(0.2F, 1.0F + 0.12F * coarse + 0.33F * grain);
+  // Stones, leaves, chewing gum; stains.
+  tone *= std::max(0.3F, 1.0F + 0.6F * world.texture * speckle(x, z, detail, world.seed + 150U));
   // Repairs: darker or lighter fields with sharp edges.
   const float field = value_noise(x * 0.23F, z * 0.31F, world.seed + 120U) +
                       0.25F * value_noise(x * 1.3F, z * 1.1F, world.seed + 121U);
@@ -58,7 +60,8 @@ Colour asphalt(const World& world, const RoadPoint& road, float x, float z, floa
 }
 
 Colour pavement(const World& world, const RoadPoint& road, float x, float z, float detail) {
-  const float grain = fractal_noise(x, z, detail, {1.5F, 8, 0.95F}, world.seed + 200U);
+  const float grain = world.texture * fractal_noise(x, z, detail, {1.5F, 8, 0.95F}, world.seed + 200U);
+  const float dirt = 0.4F * speckle(x, z, detail, world.seed + 240U);
   // Slabs of 0.5 m, every second row shifted by half a slab.
   const float row = road.along / 0.5F, row_number = std::floor(row);
   const float shift = (static_cast<int>(row_number) & 1) != 0 ? 0.5F : 0.0F;
@@ -67,7 +70,7 @@ Colour pavement(const World& world, const RoadPoint& road, float x, float z, flo
       to_unit(hash_of(static_cast<std::uint32_t>(static_cast<int>(row_number)),
                       static_cast<std::uint32_t>(static_cast<int>(column_number)), world.seed));
   const float visible = band_weight(0.5F, detail);
-  float value = 0.30F * (1.0F + visible * 0.5F * (tone - 0.5F) + 0.22F * grain);
+  float value = 0.30F * (1.0F + visible * 0.5F * (tone - 0.5F) + 0.22F * grain + world.texture * dirt);
   const float joint = 0.012F, width = std::max(detail / 0.5F, 0.01F);
   const float u = row - row_number, v = column - column_number;
   const float gap = pulse(u, 0.0F, 2.0F * joint, width) + pulse(v, 0.0F, 2.0F * joint, width);
@@ -89,7 +92,7 @@ Appearance ground_appearance(const World& world, const SurfacePoint& point) {
   }
   if (d > kKerb - 0.25F - soft) {
     // Gutter and kerbstones of one metre.
-    const float grain = fractal_noise(x, z, detail, {0.5F, 5, 0.8F}, world.seed + 210U);
+    const float grain = world.texture * fractal_noise(x, z, detail, {0.5F, 5, 0.8F}, world.seed + 210U);
     const float joint = pulse(std::fmod(road.along, 1.0F), 0.0F, 0.025F, detail);
     const Colour gutter = Colour(0.085F, 0.082F, 0.078F) * (1.0F + 0.3F * grain);
     const Colour stone = Colour(0.40F, 0.385F, 0.36F) * (1.0F + 0.2F * grain) * (1.0F - 0.5F * joint);
@@ -100,7 +103,7 @@ Appearance ground_appearance(const World& world, const SurfacePoint& point) {
     look.albedo = blend(look.albedo, beyond, smooth_step(kKerb - soft, kKerb + soft, d));
   }
   if (d > kPavementEnd - soft) {
-    const float blades = fractal_noise(x, z, detail, {1.0F, 7, 1.0F}, world.seed + 220U);
+    const float blades = world.texture * fractal_noise(x, z, detail, {1.0F, 7, 1.0F}, world.seed + 220U);
     const float dry = smooth_step(0.0F, 0.8F, value_noise(x * 0.2F, z * 0.2F, world.seed + 230U));
     const Colour grass = blend(Colour(0.075F, 0.135F, 0.035F), Colour(0.19F, 0.17F, 0.09F), dry) *
                          std::max(0.25F, 1.0F + 0.5F * blades);
@@ -120,15 +123,17 @@ Colour sky_light(const World& world, const Eigen::Vector3f& direction, float ang
   const float soft = std::max(angular_footprint, 1e-3F);
   const float height = clamp01(up);
   Colour sky = blend(Colour(0.80F, 0.85F, 0.90F), Colour(0.30F, 0.47F, 0.76F), std::sqrt(height));
+  sky = blend(sky, Colour(0.74F, 0.77F, 0.80F), 0.8F * world.clouds).cwiseProduct(world.sky_tint);
   if (up > 0.02F) {
     // Clouds in a plane high above.
     const float scale = 1.0F / (up + 0.15F);
     const float cover = fractal_noise(direction.x() * scale, direction.z() * scale,
                                       angular_footprint * scale * scale, {1.4F, 5, 0.55F}, world.seed + 320U);
-    sky = blend(sky, Colour(0.98F, 0.97F, 0.95F), 0.85F * smooth_step(-0.05F, 0.75F, cover));
+    const Colour cloud = blend(Colour(0.98F, 0.97F, 0.95F), Colour(0.52F, 0.55F, 0.60F), world.clouds);
+    sky = blend(sky, cloud.cwiseProduct(world.sky_tint), 0.85F * smooth_step(-0.05F, 0.75F, cover));
   }
   const float sun = std::max(0.0F, direction.dot(world.to_sun));
-  sky += world.sun_colour * (0.25F * std::pow(sun, 24.0F));
+  sky += world.sun_colour * (0.25F * std::pow(sun, 24.0F) * (1.0F - world.clouds));
   const float leaves = fractal_noise(azimuth, up, angular_footprint, {0.04F, 5, 0.85F}, world.seed + 330U);
   const Colour hills = Colour(0.30F, 0.37F, 0.36F) * (1.0F + 0.22F * leaves);
   return blend(hills, sky, smooth_step(ridge - soft, ridge + soft, up));

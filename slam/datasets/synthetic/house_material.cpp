@@ -7,12 +7,15 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-Colour wall_colour(const Material& material, float u, float height, float detail) {
+Colour wall_colour(const Material& material, float u, float height, float detail, float texture) {
   const float patina = fractal_noise(u, height, detail, {0.6F, 7, 1.0F}, material.seed) +
                        0.7F * value_noise(0.5F * u, 0.5F * height, material.seed + 30U);
   // Rain leaves streaks: noise stretched in height.
   const float streaks = fractal_noise(u, 0.15F * height, detail, {0.5F, 3, 0.8F}, material.seed + 20U);
-  Colour colour = material.colour * (std::max(0.2F, 1.0F + 0.19F * patina + 0.08F * streaks));
+  // Chipped plaster, damp patches.
+  const float damage = 0.33F * speckle(u, height, detail, material.seed + 40U);
+  Colour colour =
+      material.colour * std::max(0.2F, 1.0F + texture * (0.19F * patina + 0.08F * streaks + damage));
   if (material.facade.brick) {
     constexpr float kCourse = 0.075F, kBrick = 0.24F;
     const float visible = band_weight(0.15F, detail);
@@ -43,8 +46,8 @@ Appearance facade_appearance(const Material& material, const Body& body, const S
   const float wu = point.footprint[axis], wv = point.footprint.y(), detail = point.detail(axis, 1);
 
   Appearance look;
-  look.albedo =
-      wall_colour(material, u + (point.normal.x() + 2.0F * point.normal.z()) * 31.0F, height, detail);
+  look.albedo = wall_colour(material, u + (point.normal.x() + 2.0F * point.normal.z()) * 31.0F, height,
+                            detail, point.texture);
   // Plinth, a ledge between storeys, a cornice below the roof.
   const float storey = std::floor(height / style.storey);
   const float in_storey = height - storey * style.storey;
@@ -151,7 +154,7 @@ Appearance roof_appearance(const Material& material, const SurfacePoint& point) 
       to_unit(hash_of(static_cast<std::uint32_t>(static_cast<int>(row_number)),
                       static_cast<std::uint32_t>(static_cast<int>(std::floor(column))), material.seed));
   const float visible = band_weight(0.33F, detail);
-  const float patina = fractal_noise(u, v, detail, {3.0F, 8, 0.95F}, material.seed + 5U);
+  const float patina = point.texture * fractal_noise(u, v, detail, {3.0F, 8, 0.95F}, material.seed + 5U);
   const float edge = pulse(row - row_number, 0.0F, 0.2F, detail / 0.33F);
   look.albedo = material.colour * (1.0F + 0.25F * patina + visible * (0.5F * (tone - 0.5F) - 0.4F * edge));
   return look;

@@ -1,12 +1,13 @@
 // Writes a street sequence as KITTI odometry lays its own out.
-#include <cmath>
-#include <exception>
-#include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <omp.h>
+
+#include <algorithm>
 
 #include "nn/base/error.h"
 #include "nn/io/file.h"
 #include "slam/datasets/synthetic/coco_annotations.h"
+#include "slam/datasets/synthetic/ground_truth_images.h"
+#include "slam/datasets/synthetic/sequence_files.h"
 #include "slam/datasets/synthetic/street_sequence.h"
 
 namespace penumbra::slam::synthetic {
@@ -14,17 +15,6 @@ namespace penumbra::slam::synthetic {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_png(const fs::path& path, const cv::Mat& image) {
-  // Noise hardly compresses: the fastest level costs 5 % of size and saves most of the time.
-  static const std::vector<int> kFast{cv::IMWRITE_PNG_COMPRESSION, 1};
-  bool written = false;
-  try {
-    written = cv::imwrite(path.string(), image, kFast);
-  } catch (const cv::Exception&) {
-  }
-  if (!written) throw Error(fmt::format("{}: cannot write the image", path.string()));
-}
 
 std::string row_of(const SE3& pose) {
   std::string row;
@@ -57,108 +47,70 @@ void write_trajectory(const fs::path& poses_path, const fs::path& times_path, co
   nn::write_file(times_path, times);
 }
 
-void write_instances(const fs::path& path, const World& world) {
-  nlohmann::ordered_json instances = nlohmann::ordered_json::object();
-  for (const Object& object : world.objects) {
-    if (object.instance == 0) continue;
-    instances[std::to_string(object.instance)] = {{"class", name_of(object.object_class)},
-                                                  {"moving", object.motion.moves}};
-  }
-  nn::write_file(path, instances.dump(1) + "\n");
-}
-
-cv::Mat1w encode_depth(const cv::Mat1f& depth) {
-  cv::Mat1w encoded(depth.size());
-  for (int row = 0; row < depth.rows; ++row) {
-    for (int column = 0; column < depth.cols; ++column) {
-      const float value = std::round(256.0F * depth(row, column));
-      encoded(row, column) = value < 65535.5F ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
-    }
-  }
-  return encoded;
-}
-
-// Makes `folder` ready: empty, or cleared of what an earlier run wrote.
-void prepare_folder(const fs::path& folder, bool overwrite) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    throw UsageError(fmt::format("{}: expected a folder, found a file", folder.string()));
-  }
-  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
-    if (!overwrite) {
-      throw UsageError(
-          fmt::format("{}: expected a new or empty folder, found one with files; "
-                      "--overwrite replaces the sequence in it",
-                      folder.string()));
-    }
-    const fs::path sequence = folder / "sequences/00";
-    for (const char* name : {"image_0", "image_1", "image_2", "image_3", "instances", "depth"}) {
-      fs::remove_all(sequence / name, error);
-    }
-    fs::remove(folder / "annotations/instances.json", error);
-  }
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-}
-
 }  // namespace
 
 void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool overwrite,
                         const std::function<void(int)>& progress) {
-  prepare_folder(folder, overwrite);
+  const SequenceSettings& settings = sequence.settings();
   const fs::path root = folder / "sequences/00";
-  StreetFrame frame;
-  struct Output {
-    fs::path folder;
-    const cv::Mat* image;
-  };
-  std::vector<Output> outputs{{root / "image_0", &frame.left_grey},
-                              {root / "image_1", &frame.right_grey},
-                              {root / "instances", &frame.left.instance}};
-  if (sequence.settings().colour) {
-    outputs.push_back({root / "image_2", &frame.left_bgr});
-    outputs.push_back({root / "image_3", &frame.right_bgr});
+  std::vector<fs::path> earlier{"annotations/instances.json"};
+  for (const char* name :
+       {"image_0", "image_1", "image_2", "image_3", "instances", "depth", "disparity", "flow", "amodal"}) {
+    earlier.push_back(fs::path("sequences/00") / name);
   }
-  cv::Mat depth;
-  if (sequence.settings().depth) outputs.push_back({root / "depth", &depth});
-  for (const Output& output : outputs) make_folder(output.folder);
+  prepare_folder(folder, overwrite, earlier);
+
+  struct Output {
+    std::string name;
+    bool wanted;
+    std::function<cv::Mat()> image;
+  };
+  StreetFrame frame;
+  const Output outputs[] = {
+      {"image_0", true, [&] { return frame.left_grey; }},
+      {"image_1", true, [&] { return frame.right_grey; }},
+      {"image_2", settings.colour, [&] { return frame.left_bgr; }},
+      {"image_3", settings.colour, [&] { return frame.right_bgr; }},
+      {"instances", true, [&] { return frame.left.instance; }},
+      {"depth", settings.depth, [&] { return encode_depth(frame.left.depth, 256.0F); }},
+      {"disparity", settings.disparity,
+       [&] { return encode_disparity(frame.left.depth, sequence.camera()); }},
+      {"flow", settings.flow, [&] { return encode_flow(frame.flow); }},
+  };
+  for (const Output& output : outputs) {
+    if (output.wanted) make_folder(root / output.name);
+  }
   make_folder(folder / "poses");
-  if (sequence.settings().annotations) make_folder(folder / "annotations");
+  if (settings.annotations) make_folder(folder / "annotations");
   write_calibration(root / "calib.txt", sequence.camera());
   write_trajectory(folder / "poses/00.txt", root / "times.txt", sequence.poses());
-  write_instances(root / "instances.json", sequence.world());
+  write_instance_list(root / "instances.json", sequence.world());
 
-  CocoWriter annotations(sequence.settings().size);
+  CocoWriter annotations(settings.size);
+  ImageWriter images(std::max(1, omp_get_max_threads() / 2));
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
-    if (sequence.settings().depth) depth = encode_depth(frame.left.depth);
     const std::string name = fmt::format("{:06d}.png", i);
-    if (sequence.settings().annotations) {
-      const char* images = sequence.settings().colour ? "image_2" : "image_0";
-      annotations.add(fmt::format("sequences/00/{}/{}", images, name), frame.instances);
+    for (const Output& output : outputs) {
+      const bool no_next_frame = output.name == "flow" && i + 1 == sequence.size();
+      if (output.wanted && !no_next_frame) images.write(root / output.name / name, output.image());
     }
-    std::exception_ptr failure;
-    const int count = static_cast<int>(outputs.size());
-#pragma omp parallel for schedule(dynamic)
-    for (int k = 0; k < count; ++k) {
-      const Output& output = outputs[static_cast<std::size_t>(k)];
-      try {
-        write_png(output.folder / name, *output.image);
-      } catch (...) {
-#pragma omp critical
-        failure = std::current_exception();
+    if (settings.amodal) {
+      const fs::path masks = root / "amodal" / fmt::format("{:06d}", i);
+      make_folder(masks);
+      for (const InstanceMasks& instance : frame.instances) {
+        images.write(masks / fmt::format("{:05d}.png", instance.instance),
+                     mask_image(instance.whole, settings.size));
       }
     }
-    if (failure) std::rethrow_exception(failure);
+    if (settings.annotations) {
+      annotations.add(fmt::format("sequences/00/{}/{}", settings.colour ? "image_2" : "image_0", name),
+                      frame.instances);
+    }
     if (progress) progress(i + 1);
   }
-  if (sequence.settings().annotations) {
-    nn::write_file(folder / "annotations/instances.json", annotations.finish());
-  }
+  images.finish();
+  if (settings.annotations) nn::write_file(folder / "annotations/instances.json", annotations.finish());
 }
 
 }  // namespace penumbra::slam::synthetic

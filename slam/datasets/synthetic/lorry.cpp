@@ -49,9 +49,11 @@ Appearance lorry_appearance(const Material& material, const Body& body, const Su
   const float x = p[across], height = -p.y(), detail = point.detail(across, up);
   const float wu = point.footprint[across], wv = point.footprint[up];
   const float low = -body.upper.y(), high = -body.lower.y();
-  const float grime = fractal_noise(x, p[up], detail, {1.2F, 8, 0.95F}, material.seed);
+  const float grime = point.texture * fractal_noise(x, p[up], detail, {1.2F, 8, 0.95F}, material.seed);
   Appearance look;
-  look.albedo = material.colour * std::max(0.3F, 1.0F + 0.14F * grime);
+  look.albedo = material.colour *
+                std::max(0.3F, 1.0F + 0.14F * grime +
+                                   0.2F * point.texture * speckle(x, p[up], detail, material.seed + 9U));
   look.gloss = 0.03F;
   const bool cab = body.lower.z() > 0.0F;
   if (cab) {
@@ -117,12 +119,16 @@ Appearance lorry_appearance(const Material& material, const Body& body, const Su
   return look;
 }
 
-Object& add_lorry(World& world, RandomSequence& random, float width) {
+Object& add_lorry(World& world, RandomSequence& random) {
+  const float length = random.uniform(6.6F, 8.4F);
+  return add_lorry(world, random, {length, 2.4F, random.uniform(3.5F, 3.8F)});
+}
+
+Object& add_lorry(World& world, RandomSequence& random, const LorrySize& size) {
   static const Colour kBoxes[] = {{0.72F, 0.72F, 0.70F}, {0.10F, 0.16F, 0.34F}, {0.50F, 0.08F, 0.06F},
                                   {0.62F, 0.50F, 0.16F}, {0.14F, 0.30F, 0.18F}, {0.45F, 0.45F, 0.46F}};
   const auto pick = [&] { return kBoxes[random.below(static_cast<int>(std::size(kBoxes)))]; };
-  const float length = random.uniform(6.6F, 8.4F), height = random.uniform(3.5F, 3.8F);
-  const float front = 0.5F * length, rear = -front, half = 0.5F * width;
+  const float height = size.height, front = 0.5F * size.length, rear = -front, half = 0.5F * size.width;
   Material box;
   box.surface = Surface::lorry;
   box.colour = pick();

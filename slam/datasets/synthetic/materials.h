@@ -13,6 +13,7 @@ struct SurfacePoint {
   Eigen::Vector3f position;   // in the object's frame (for the ground: the world's), metres
   Eigen::Vector3f normal;     // in the same frame, unit length, towards the camera
   Eigen::Vector3f footprint;  // extent of the pixel on the surface along each axis of that frame, metres
+  float texture = 1.0F;       // World::texture
 
   // The size of detail that the pixel can show: between the footprint's short and long side, nearer to the
   // short one, since a slanted view is sampled finely along one direction.

@@ -123,6 +123,35 @@ inline float fractal_noise(float x, float y, float z, float footprint, const Oct
   return sum;
 }
 
+// Round spots on a surface, for corners that stand out from the noise: two of three squares of `cell` metres
+// have one, wholly inside the square, with a radius of 0.08 to 0.25 cells. The value is the spot's own tone,
+// 0.5..1 or -1..-0.5, and 0 outside; it is softened by the pixel's footprint and fades before a spot becomes
+// smaller than a pixel.
+inline float spots(float x, float y, float cell, float footprint, std::uint32_t seed) {
+  const float weight = band_weight(0.5F * cell, footprint);
+  if (weight <= 0.0F) return 0.0F;
+  const float u = x / cell, v = y / cell;
+  const int iu = floor_int(u), iv = floor_int(v);
+  const std::uint32_t h = hash_of(static_cast<std::uint32_t>(iu), static_cast<std::uint32_t>(iv), seed);
+  if (h % 3U == 0U) return 0.0F;
+  const auto byte = [&](int shift) { return static_cast<float>((h >> shift) & 255U) * (1.0F / 255.0F); };
+  const float radius = 0.08F + 0.17F * byte(8) * byte(8);
+  const float du = u - static_cast<float>(iu) - (0.28F + 0.44F * byte(16));
+  const float dv = v - static_cast<float>(iv) - (0.28F + 0.44F * byte(24));
+  // Squashed a little, so that outlines differ.
+  const float squash = 0.75F + 0.5F * byte(4);
+  const float distance = du * du * squash + dv * dv / squash;
+  const float soft = std::max(footprint / cell, 0.1F * radius);
+  const float inside = clamp01((radius * radius - distance) / (2.0F * radius * soft) + 0.5F);
+  return weight * inside * ((h & 2U) != 0U ? 1.0F : -1.0F) * (0.5F + 0.5F * byte(1));
+}
+
+// Spots of three sizes, so that some are a few pixels large at any distance.
+inline float speckle(float x, float y, float footprint, std::uint32_t seed) {
+  return spots(x, y, 0.17F, footprint, seed) + spots(y, x, 0.53F, footprint, seed + 1U) +
+         0.7F * spots(x, -y, 1.7F, footprint, seed + 2U);
+}
+
 // Box-filtered indicator of [from, to] at `x` for a pixel `width` wide: 1 inside, 0 outside, between at
 // edges.
 inline float pulse(float x, float from, float to, float width) {

@@ -57,7 +57,7 @@ Appearance car_appearance(const Material& material, const Body& body, int face, 
   const float wu = point.footprint[a], wv = std::max(point.footprint.y(), 0.3F * wu);
   const bool side = std::abs(n.x()) > 0.75F, front = n.z() > 0.45F && height < style.belt + 0.02F;
   const bool rear = n.z() < -0.6F;
-  const float grime = fractal_noise(p[a], p[b], detail, {0.8F, 7, 0.8F}, material.seed);
+  const float grime = point.texture * fractal_noise(p[a], p[b], detail, {0.8F, 7, 0.8F}, material.seed);
 
   Appearance look;
   look.albedo = material.colour * (1.0F + 0.06F * grime);
@@ -172,7 +172,8 @@ Appearance plain_appearance(const Material& material, const SurfacePoint& point)
   Appearance look;
   switch (material.surface) {
     case Surface::leaves: {
-      const float clumps = fractal_noise(p.x(), p.y(), p.z(), detail, {0.4F, 5, 1.1F}, material.seed);
+      const float clumps =
+          point.texture * fractal_noise(p.x(), p.y(), p.z(), detail, {0.4F, 5, 1.1F}, material.seed);
       const float light = smooth_step(-0.9F, 1.1F, clumps);
       look.albedo = material.colour * (0.15F + 1.9F * light);
       look.albedo.x() += 0.04F * light * light;
@@ -181,12 +182,13 @@ Appearance plain_appearance(const Material& material, const SurfacePoint& point)
     case Surface::bark: {
       const float around = std::atan2(p.x(), p.z()) * 0.3F;
       const float ridges =
-          fractal_noise(around * 3.0F, 0.4F * p.y(), detail, {0.4F, 6, 0.85F}, material.seed);
+          point.texture * fractal_noise(around * 3.0F, 0.4F * p.y(), detail, {0.4F, 6, 0.85F}, material.seed);
       look.albedo = material.colour * std::max(0.2F, 1.0F + 0.5F * ridges);
       break;
     }
     case Surface::cloth: {
-      const float folds = fractal_noise(p.x(), 0.5F * p.y(), p.z(), detail, {0.3F, 5, 0.8F}, material.seed);
+      const float folds =
+          point.texture * fractal_noise(p.x(), 0.5F * p.y(), p.z(), detail, {0.3F, 5, 0.8F}, material.seed);
       look.albedo = material.colour * (1.0F + 0.35F * folds);
       break;
     }
@@ -204,7 +206,7 @@ Appearance plain_appearance(const Material& material, const SurfacePoint& point)
       break;
     }
     default: {
-      const float noise = fractal_noise(p[a], p[b], detail, {1.0F, 8, 0.95F}, material.seed);
+      const float noise = point.texture * fractal_noise(p[a], p[b], detail, {1.0F, 8, 0.95F}, material.seed);
       look.albedo = material.colour * std::max(0.2F, 1.0F + 0.28F * noise);
       look.gloss = 0.01F;
     }

@@ -14,6 +14,7 @@ void RayCaster::render(const StereoCamera& camera, const SE3& T_wc, double time,
   view.depth.create(camera.height, camera.width);
   view.instance.create(camera.height, camera.width);
   surfaces_.create(camera.height, camera.width);
+  if (view.wants_reflectance) view.reflectance.create(camera.height, camera.width);
   const int tiles = geometry_.tiles();
 #pragma omp parallel
   {
@@ -72,10 +73,11 @@ void RayCaster::colour(int tile, RenderedView& view) const {
   for (int row = pixels.y; row < pixels.y + pixels.height; ++row) {
     for (int column = pixels.x; column < pixels.x + pixels.width; ++column) {
       Colour sum = Colour::Zero();
+      cv::Vec2f* reflectance = view.wants_reflectance ? &view.reflectance(row, column) : nullptr;
       if (!is_edge(column, row)) {
         const float x = static_cast<float>((column - camera.cx) / camera.fx);
         const float y = static_cast<float>((row - camera.cy) / camera.fy);
-        sum = shade(x, y, view.depth(row, column), surfaces_(row, column), tile);
+        sum = shade(x, y, view.depth(row, column), surfaces_(row, column), tile, reflectance);
       } else {
         constexpr int kSamples = 4;
         constexpr double kOffsets[kSamples][2] = {
@@ -92,7 +94,7 @@ void RayCaster::colour(int tile, RenderedView& view) const {
           if (first < i) continue;
           int weight = 0;
           for (int k = i; k < kSamples; ++k) weight += samples.surface[k] == samples.surface[i] ? 1 : 0;
-          sum += shade(samples.x[i], samples.y[i], samples.depth[i], samples.surface[i], tile) *
+          sum += shade(samples.x[i], samples.y[i], samples.depth[i], samples.surface[i], tile, reflectance) *
                  (static_cast<float>(weight) / kSamples);
         }
       }
@@ -146,14 +148,17 @@ float RayCaster::ground_light(const Eigen::Vector3f& camera_point, int tile, flo
   return sun;
 }
 
-Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int tile) const {
+Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int tile,
+                        cv::Vec2f* reflectance) const {
   const Eigen::Vector3f ray(x, y, 1.0F);
   const float ray_length = ray.norm();
   const Eigen::Matrix3f& world_from_camera = geometry_.world_from_camera();
   const Eigen::Vector3f view = world_from_camera * ray * (1.0F / ray_length);
+  if (reflectance != nullptr) *reflectance = {0.0F, 0.0F};
   if (surface == kSky) return sky_light(world_, view, pixel_);
 
   SurfacePoint point;
+  point.texture = world_.texture;
   Appearance look;
   Eigen::Vector3f normal;  // world frame
   float sun = 1.0F, ambient = 1.0F;
@@ -229,12 +234,14 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
   const float up = 0.5F - 0.5F * normal.y();
   const Colour around = world_.sky_colour * (0.45F + 0.55F * up) + Colour(0.13F, 0.12F, 0.10F) * (1.0F - up);
   Colour light = look.albedo.cwiseProduct(around * ambient + world_.sun_colour * lambert);
+  if (reflectance != nullptr) (*reflectance)[0] = look.albedo.mean();
   if (look.gloss > 0.0F) {
     const float facing = clamp01(-normal.dot(view));
     const float grazing = 1.0F - facing;
     // Schlick's approximation, with `gloss` at normal incidence.
     const float g2 = grazing * grazing;
     const float fresnel = look.gloss + 0.6F * (1.0F - look.gloss) * g2 * g2 * grazing;
+    if (reflectance != nullptr) (*reflectance)[1] = fresnel;
     const Eigen::Vector3f mirrored = view + 2.0F * facing * normal;
     // Above the horizon the sky, towards it houses, below it the road.
     const float height = -mirrored.y();

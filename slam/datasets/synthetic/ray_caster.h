@@ -16,6 +16,8 @@ struct RenderedView {
   cv::Mat3f radiance;  // linear red, green, blue
   cv::Mat1f depth;     // metres along the optical axis; 0 = sky
   cv::Mat1w instance;  // Object::instance, 0 = background
+  bool wants_reflectance = false;
+  cv::Mat2f reflectance;  // grey albedo and share of light that is mirrored; where wants_reflectance
 };
 
 class RayCaster {
@@ -32,7 +34,8 @@ class RayCaster {
   void find_surfaces(int tile, RenderedView& view);
   void colour(int tile, RenderedView& view) const;
   bool is_edge(int column, int row) const;
-  Colour shade(float x, float y, float depth, std::int32_t surface, int tile) const;
+  // `reflectance` may be null.
+  Colour shade(float x, float y, float depth, std::int32_t surface, int tile, cv::Vec2f* reflectance) const;
   float ground_light(const Eigen::Vector3f& camera_point, int tile, float& ambient) const;
 
   const World& world_;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include "nn/base/error.h"
 #include "slam/datasets/synthetic/noise.h"
@@ -24,40 +25,66 @@ constexpr double kLongestStep = 20.0, kLongestDrive = 20000.0;  // metres
 
 Eigen::Vector2d direction_of(double heading) { return {std::sin(heading), std::cos(heading)}; }
 
-// Once round a rectangle with rounded corners, starting 34 m before the first right-hand bend.
-std::vector<Eigen::Vector2d> block_points() {
-  constexpr double kAhead = 34.0, kSides[] = {74.0, 52.0}, kRadius = 11.0;
-  std::vector<Eigen::Vector2d> points;
-  Eigen::Vector2d position(0.0, 0.0);
-  double heading = 0.0;
-  const auto straight = [&](double length) {
+// A path of straights and right-angle bends, drawn as it is driven.
+class PathDrawer {
+ public:
+  void straight(double length) {
     const int steps = static_cast<int>(std::ceil(length / kSpacing));
     for (int i = 0; i < steps; ++i) {
-      points.push_back(position);
-      position += direction_of(heading) * (length / steps);
+      points_.push_back(position_);
+      position_ += direction_of(heading_) * (length / steps);
     }
-  };
-  const auto bend = [&] {
-    const int steps = static_cast<int>(std::ceil(0.5 * kPi * kRadius / kSpacing));
-    const Eigen::Vector2d centre =
-        position + kRadius * Eigen::Vector2d(std::cos(heading), -std::sin(heading));
-    for (int i = 0; i < steps; ++i) {
-      const double h = heading + 0.5 * kPi * i / steps;
-      points.push_back(centre - kRadius * Eigen::Vector2d(std::cos(h), -std::sin(h)));
-    }
-    heading += 0.5 * kPi;
-    position = centre - kRadius * Eigen::Vector2d(std::cos(heading), -std::sin(heading));
-  };
-  straight(kAhead);
-  bend();
-  straight(kSides[1]);
-  bend();
-  straight(kSides[0]);
-  bend();
-  straight(kSides[1]);
-  bend();
-  straight(kSides[0] - kAhead);
-  return points;
+  }
+  // To the right for side = 1, to the left for -1.
+  void bend(int side) {
+    const double angle = 0.5 * kPi * side;
+    const int steps = static_cast<int>(std::ceil(0.5 * kPi * kBendRadius / kSpacing));
+    const auto to_path = [&](double h) -> Eigen::Vector2d {
+      return -side * kBendRadius * Eigen::Vector2d(std::cos(h), -std::sin(h));
+    };
+    const Eigen::Vector2d centre = position_ - to_path(heading_);
+    for (int i = 0; i < steps; ++i) points_.push_back(centre + to_path(heading_ + angle * i / steps));
+    heading_ += angle;
+    position_ = centre + to_path(heading_);
+  }
+  std::vector<Eigen::Vector2d> take() { return std::move(points_); }
+
+ private:
+  static constexpr double kBendRadius = 11.0;  // metres
+  std::vector<Eigen::Vector2d> points_;
+  Eigen::Vector2d position_ = Eigen::Vector2d::Zero();
+  double heading_ = 0.0;
+};
+
+// Once round a rectangle with rounded corners, starting 34 m before the first right-hand bend.
+std::vector<Eigen::Vector2d> block_points() {
+  constexpr double kAhead = 34.0, kLong = 74.0, kShort = 52.0;
+  PathDrawer path;
+  path.straight(kAhead);
+  for (const double side : {kShort, kLong, kShort}) {
+    path.bend(1);
+    path.straight(side);
+  }
+  path.bend(1);
+  path.straight(kLong - kAhead);
+  return path.take();
+}
+
+// Two squares that share a corner, where the path goes straight on both times: three bends to the right round
+// the one, three to the left round the other.
+std::vector<Eigen::Vector2d> eight_points() {
+  constexpr double kToCrossing = 40.0, kArm = 50.0, kSide = 39.0;
+  PathDrawer path;
+  path.straight(kToCrossing + kArm);
+  for (const int side : {1, -1}) {
+    path.bend(side);
+    path.straight(kSide);
+    path.bend(side);
+    path.straight(kSide);
+    path.bend(side);
+    path.straight(side == 1 ? 2.0 * kArm : kArm - kToCrossing);
+  }
+  return path.take();
 }
 
 // Points about kSpacing apart along the driven positions, averaged over +-kSmoothing and lengthened straight
@@ -211,13 +238,15 @@ Drive make_drive(const std::string& path_name, int frames) {
   double start = 0.0;
   if (path_name == "block") {
     drive.route = Route(block_points(), true);
+  } else if (path_name == "eight") {
+    drive.route = Route(eight_points(), true);
   } else if (path_name == "straight") {
     const double length = kStep * frames;
     drive.route = Route(route_through({{{0.0, 0.0}, 0.0}, {{0.0, length}, 0.0}}));
     start = kRouteMargin;
   } else {
-    throw UsageError(
-        fmt::format("--path: expected 'block', 'straight' or a KITTI pose file, found '{}'", path_name));
+    throw UsageError(fmt::format(
+        "--path: expected 'block', 'eight', 'straight' or a KITTI pose file, found '{}'", path_name));
   }
   for (int i = 0; i < frames; ++i) {
     const double arc = start + kStep * i;

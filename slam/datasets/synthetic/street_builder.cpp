@@ -8,6 +8,7 @@
 #include "nn/base/error.h"
 #include "slam/datasets/synthetic/road_layout.h"
 #include "slam/datasets/synthetic/street_objects.h"
+#include "slam/datasets/synthetic/street_traffic.h"
 
 namespace penumbra::slam::synthetic {
 
@@ -24,13 +25,9 @@ class StreetBuilder {
     roads_ = lay_roads(drive.route);
     world_.road_map = RoadMap(roads_);
     track_ = RoadMap({drive.route});
-    // The sun stands 45 to 62 degrees high and shines across and along the first heading, from before or
-    // behind, so that houses shade one side of the street only.
-    float azimuth = random_.uniform(0.5F, 1.1F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
-    if (random_.chance(0.6F)) azimuth += static_cast<float>(kPi);
-    const float height = random_.uniform(0.78F, 1.08F);
-    world_.to_sun = Eigen::Vector3f(std::cos(height) * std::sin(azimuth), -std::sin(height),
-                                    std::cos(height) * std::cos(azimuth));
+    world_.camera_arc = drive.arc;
+    world_.texture = settings.texture;
+    light_street();
   }
 
   World build() {
@@ -48,13 +45,32 @@ class StreetBuilder {
       }
     }
     shade_static_objects();
-    add_traffic();
-    add_people();
-    add_cyclists();
+    add_traffic(world_, {drive_, settings_, moving_cars_, [this](Object& object) { give_instance(object); }},
+                random_);
     return std::move(world_);
   }
 
  private:
+  // The sun stands 45 to 62 degrees high (12 to 20 in the evening) and shines across and along the first
+  // heading, from before or behind, so that houses shade one side of the street only.
+  void light_street() {
+    float azimuth = random_.uniform(0.5F, 1.1F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
+    if (random_.chance(0.6F)) azimuth += static_cast<float>(kPi);
+    float height = random_.uniform(0.78F, 1.08F);
+    if (settings_.light == Light::evening) {
+      height = 0.2F + 0.45F * (height - 0.78F);
+      world_.sun_colour = {1.30F, 0.80F, 0.42F};
+      world_.sky_colour = {0.26F, 0.28F, 0.36F};
+      world_.sky_tint = {0.95F, 0.78F, 0.68F};
+    } else if (settings_.light == Light::overcast) {
+      world_.sun_colour = Colour::Constant(0.06F);
+      world_.sky_colour = {0.72F, 0.75F, 0.80F};
+      world_.clouds = 1.0F;
+    }
+    world_.to_sun = Eigen::Vector3f(std::cos(height) * std::sin(azimuth), -std::sin(height),
+                                    std::cos(height) * std::cos(azimuth));
+  }
+
   GroundPose beside(const Route& road, double along, int side, double lateral) const {
     GroundPose pose = road.at(along, side * lateral);
     if (side < 0) pose.heading += kPi;
@@ -125,12 +141,18 @@ class StreetBuilder {
     while (along < road.length()) {
       const bool lorry = random_.chance(settings_.lorries);
       const double place = random_.uniform(5.3F, 6.3F) + (lorry ? 3.5 : 0.0);
+      if (along + place > road.length()) break;  // a closed road's first place follows
       const GroundPose pose = beside(road, along + 0.5 * place, side,
                                      kParkedCentre + (lorry ? 0.25F : random_.uniform(-0.08F, 0.1F)));
       const Footprint area = footprint_of(pose, lorry ? 1.35 : 1.1, lorry ? 4.4 : 2.7);
       const bool wanted = random_.chance(settings_.parked_cars);
       if (wanted && road_distance(pose.position) > kParkedCentre - 0.5 && off_track(area, 1.2) &&
           bend(road, along + 0.5 * place) < 0.15) {
+        if (settings_.moving && random_.chance(*settings_.moving)) {
+          ++moving_cars_;
+          along += place;
+          continue;
+        }
         Object& car = lorry ? add_lorry(world_, random_) : add_car(world_, random_);
         car.pose = pose;
         car.pose.heading += random_.uniform(-0.03F, 0.03F) + (random_.chance(0.12F) ? kPi : 0.0);
@@ -194,79 +216,6 @@ class StreetBuilder {
     }
   }
 
-  // Oncoming cars, each meeting the camera at its own time, and one ahead of it.
-  void add_traffic() {
-    constexpr double kSpeed = 9.0, kCarSpace = 14.0;
-    const double length = world_.route.length(), last_time = drive_.poses.back().timestamp;
-    std::vector<double> starts;
-    double meet = std::min(0.6 * last_time, 3.2);
-    do {
-      const auto frame = static_cast<std::size_t>(meet * kFrameRate);
-      const double start = drive_.arc[std::min(frame, drive_.arc.size() - 1)] + kSpeed * meet;
-      const bool room = std::none_of(starts.begin(), starts.end(), [&](double other) {
-        double apart = std::abs(start - other);
-        if (world_.route.closed()) apart = std::abs(std::remainder(apart, length));
-        return apart < kCarSpace;
-      });
-      if (room) {
-        starts.push_back(start);
-        drive(start, -kSpeed, -2.0 * kLaneCentre);
-      }
-      meet += settings_.oncoming_seconds * random_.uniform(0.7F, 1.3F);
-    } while (meet < last_time);
-
-    if (!settings_.car_ahead) return;
-    const double start = drive_.arc.front() + 14.0;
-    double speed = 1.0;
-    for (std::size_t i = 1; i < drive_.arc.size(); ++i) {
-      speed = std::max(speed, (drive_.arc[i] - drive_.arc.front()) / drive_.poses[i].timestamp + 1.0);
-    }
-    // On a closed route it must not come round to the camera's back.
-    const double travelled = drive_.arc.back() - drive_.arc.front();
-    if (world_.route.closed() && 14.0 + speed * last_time - travelled > length - 20.0) return;
-    drive(start, speed, 0.0);
-  }
-
-  void add_people() {
-    const double from = drive_.arc.front(), to = drive_.arc.back() + 60.0;
-    const double span = world_.route.closed() ? std::min(to - from, world_.route.length()) : to - from;
-    const int count =
-        static_cast<int>(std::lround(span * static_cast<double>(settings_.people_per_100m) / 100.0));
-    for (int i = 0; i < count; ++i) {
-      const double side = random_.chance(0.5F) ? 1.0 : -1.0, lateral = random_.uniform(6.6F, 7.8F);
-      const double arc = from + span * random_.uniform(),
-                   speed = random_.uniform(0.9F, 1.6F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
-      Object& person = add_person(world_, random_);
-      person.motion = {true, arc, speed, side * lateral - kLaneCentre};
-      give_instance(person);
-    }
-  }
-
-  // Cyclists of both directions keep between the lane and the parked cars.
-  void add_cyclists() {
-    const double from = drive_.arc.front(), to = drive_.arc.back() + 60.0;
-    const double span = world_.route.closed() ? std::min(to - from, world_.route.length()) : to - from;
-    const int count =
-        static_cast<int>(std::lround(span * static_cast<double>(settings_.cyclists_per_100m) / 100.0));
-    for (int i = 0; i < count; ++i) {
-      const bool oncoming = random_.chance(0.5F);
-      const double beside_lane = 1.25 + random_.uniform(-0.08F, 0.12F);
-      // Those ahead of the camera start out of its way and are overtaken; oncoming ones start farther on.
-      const double arc = from + 8.0 + span * random_.uniform() * (oncoming ? 1.5 : 1.0);
-      const double speed = random_.uniform(3.2F, 5.0F);
-      Object& cyclist = add_cyclist(world_, random_);
-      cyclist.motion = {true, arc, oncoming ? -speed : speed,
-                        oncoming ? -2.0 * kLaneCentre - beside_lane : beside_lane};
-      give_instance(cyclist);
-    }
-  }
-
-  void drive(double start, double speed, double right) {
-    Object& car = random_.chance(settings_.lorries) ? add_lorry(world_, random_) : add_car(world_, random_);
-    car.motion = {true, start, speed, right};
-    give_instance(car);
-  }
-
   void give_instance(Object& object) {
     if (instances_ == std::numeric_limits<std::uint16_t>::max()) {
       throw UsageError("the drive is too long: its street has more than 65535 cars, people and signs");
@@ -281,24 +230,11 @@ class StreetBuilder {
   std::vector<Route> roads_;
   RoadMap track_;
   std::vector<Footprint> houses_;
+  int moving_cars_ = 0;  // that settings_.moving takes from the parking places
   std::uint16_t instances_ = 0;
 };
 
 }  // namespace
-
-StreetSettings street_preset(const std::string& name) {
-  if (name == "street") return {};
-  if (name == "easy")
-    return {.parked_cars = 0.45F,
-            .oncoming_seconds = 12.0F,
-            .people_per_100m = 0.7F,
-            .cyclists_per_100m = 0.3F,
-            .car_ahead = false};
-  if (name == "crowded")
-    return {
-        .parked_cars = 0.9F, .oncoming_seconds = 2.5F, .people_per_100m = 8.0F, .cyclists_per_100m = 3.0F};
-  throw UsageError(fmt::format("--preset: expected 'street', 'easy' or 'crowded', found '{}'", name));
-}
 
 World build_street(const Drive& drive, const StreetSettings& settings, std::uint32_t seed) {
   return StreetBuilder(drive, settings, seed).build();

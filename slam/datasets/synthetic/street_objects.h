@@ -9,8 +9,12 @@ namespace penumbra::slam::synthetic {
 
 // A car (saloon, hatchback, estate, off-roader) or van looking along +z; vans are of class truck.
 Object& add_car(World& world, RandomSequence& random);
-// A lorry with a closed box, `width` metres wide, looking along +z.
-Object& add_lorry(World& world, RandomSequence& random, float width = 2.4F);
+// A lorry with a closed box, looking along +z; the second of a given size.
+struct LorrySize {
+  float length = 7.5F, width = 2.4F, height = 3.6F;  // metres
+};
+Object& add_lorry(World& world, RandomSequence& random);
+Object& add_lorry(World& world, RandomSequence& random, const LorrySize& size);
 // A walking person and one on a bicycle, looking along +z.
 Object& add_person(World& world, RandomSequence& random);
 Object& add_cyclist(World& world, RandomSequence& random);

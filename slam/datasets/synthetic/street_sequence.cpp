@@ -1,8 +1,11 @@
 #include "slam/datasets/synthetic/street_sequence.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "nn/base/error.h"
+#include "slam/datasets/synthetic/depth_sensor.h"
+#include "slam/datasets/synthetic/ground_truth_images.h"
 #include "slam/datasets/synthetic/noise.h"
 
 namespace penumbra::slam::synthetic {
@@ -21,6 +24,13 @@ SequenceSettings checked(SequenceSettings settings) {
   if (settings.frames < 0 || settings.frames > kMaxFrames) {
     throw UsageError(fmt::format("--frames: expected 1 to {}, found {}", kMaxFrames, settings.frames));
   }
+  settings.street.check();
+  if (settings.sensor == Sensor::rgbd &&
+      (settings.colour || settings.depth || settings.disparity || settings.flow || settings.amodal)) {
+    throw UsageError(
+        "--sensor rgbd writes colour and depth; --colour, --depth, --disparity, --flow and --amodal are for "
+        "stereo drives");
+  }
   return settings;
 }
 
@@ -29,6 +39,11 @@ Drive drive_of(const SequenceSettings& settings) {
   if (settings.path.find_first_of("./") != std::string::npos)
     return load_drive(settings.path, settings.frames);
   return make_drive(settings.path, settings.frames == 0 ? kDefaultFrames : settings.frames);
+}
+
+SE3 right_of(SE3 T_wc, const StereoCamera& camera) {
+  T_wc.translation += camera.baseline * T_wc.rotation.col(0);
+  return T_wc;
 }
 
 }  // namespace
@@ -49,25 +64,80 @@ StreetSequence::StreetSequence(const SequenceSettings& settings)
     : settings_(checked(settings)),
       camera_(street_camera(settings.size)),
       drive_(drive_of(settings_)),
-      world_(build_street(drive_, street_preset(settings_.preset), settings_.seed)),
+      world_(build_street(drive_, settings_.street, settings_.seed)),
       left_(world_),
       right_(world_) {}
 
+SE3 StreetSequence::pose_at_time(double time) const {
+  const Trajectory& poses = drive_.poses;
+  if (poses.size() < 2) return poses.front().T_wc;
+  const int frame = static_cast<int>(std::floor(time * kFrameRate));
+  const auto i = static_cast<std::size_t>(std::clamp(frame, 0, static_cast<int>(poses.size()) - 2));
+  const SE3 step = poses[i].T_wc.inverse() * poses[i + 1].T_wc;
+  const double share = time * kFrameRate - static_cast<double>(i);
+  return poses[i].T_wc * SE3::exp(share * step.log());
+}
+
+// Replaces the light of both views by its mean over the time that the shutter is open; the frame's own time
+// is in the middle.
+void StreetSequence::blur(int i, StreetFrame& frame) {
+  constexpr int kSamples = 6;
+  const double time = drive_.poses[static_cast<std::size_t>(i)].timestamp;
+  frame.left.radiance.setTo(0.0);
+  if (settings_.sensor == Sensor::stereo) frame.right.radiance.setTo(0.0);
+  for (int k = 0; k < kSamples; ++k) {
+    const double at = time + static_cast<double>(settings_.street.shutter) * ((k + 0.5) / kSamples - 0.5);
+    const SE3 T_wc = pose_at_time(at);
+    left_.render(camera_, T_wc, at, blurred_);
+    frame.left.radiance += blurred_.radiance * (1.0 / kSamples);
+    if (settings_.sensor == Sensor::rgbd) continue;
+    right_.render(camera_, right_of(T_wc, camera_), at, blurred_);
+    frame.right.radiance += blurred_.radiance * (1.0 / kSamples);
+  }
+}
+
+void StreetSequence::add_stray_light(int i, StreetFrame& frame) const {
+  const SE3& T_wc = drive_.poses[static_cast<std::size_t>(i)].T_wc;
+  const Eigen::Vector3f to_sun = T_wc.rotation.transpose().cast<float>() * world_.to_sun;
+  const auto seed = [&](std::uint32_t camera) {
+    return hash_of(settings_.seed, static_cast<std::uint32_t>(i), 0x61a4eU + camera);
+  };
+  add_glare(frame.left.radiance, camera_, to_sun, world_.sun_colour, settings_.street.glare, seed(0));
+  if (settings_.sensor == Sensor::rgbd) return;
+  add_glare(frame.right.radiance, camera_, to_sun, world_.sun_colour, settings_.street.glare, seed(1));
+}
+
 void StreetSequence::render(int i, StreetFrame& frame) {
   const TimedPose& pose = drive_.poses[static_cast<std::size_t>(i)];
-  SE3 right = pose.T_wc;
-  right.translation += camera_.baseline * pose.T_wc.rotation.col(0);
+  const bool stereo = settings_.sensor == Sensor::stereo;
+  frame.left.wants_reflectance = !stereo;
   left_.render(camera_, pose.T_wc, pose.timestamp, frame.left);
-  right_.render(camera_, right, pose.timestamp, frame.right);
+  if (stereo) right_.render(camera_, right_of(pose.T_wc, camera_), pose.timestamp, frame.right);
 
-  if (settings_.annotations) frame.instances = find_instances(left_.geometry(), frame.left);
+  // Ground truth is that of the middle of the exposure; only light is blurred.
+  if (settings_.annotations || settings_.amodal) {
+    frame.instances = find_instances(left_.geometry(), frame.left);
+  }
+  if (settings_.flow && i + 1 < size()) {
+    frame.flow =
+        optical_flow(world_, camera_, frame.left, pose, drive_.poses[static_cast<std::size_t>(i) + 1]);
+  }
+  if (settings_.street.shutter > 0.0F) blur(i, frame);
+  if (settings_.street.glare > 0.0F) add_stray_light(i, frame);
 
-  const float exposure = automatic_exposure(frame.left.radiance, pose.timestamp, settings_.seed);
+  const float exposure = automatic_exposure(frame.left.radiance, pose.timestamp,
+                                            settings_.street.exposure_change, settings_.seed);
   std::uint32_t image = 0;
   const auto sensor = [&] {
     return SensorSettings{.exposure = exposure,
+                          .noise = settings_.street.noise,
                           .noise_seed = hash_of(settings_.seed, static_cast<std::uint32_t>(i), image++)};
   };
+  if (!stereo) {
+    develop_bgr(frame.left.radiance, sensor(), frame.left_bgr);
+    sense_depth(frame.left, camera_, sensor().noise_seed, frame.sensed_depth);
+    return;
+  }
   develop_grey(frame.left.radiance, sensor(), frame.left_grey);
   develop_grey(frame.right.radiance, sensor(), frame.right_grey);
   if (!settings_.colour) return;

@@ -1,5 +1,7 @@
 #include "slam/datasets/synthetic/world.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace penumbra::slam::synthetic {
@@ -10,9 +12,29 @@ const char* name_of(ObjectClass object_class) {
   return kNames[static_cast<int>(object_class)];
 }
 
+namespace {
+
+// Where the camera is along its route; beyond the last frame it goes on at its last speed.
+double camera_arc_at(const World& world, double time) {
+  const std::vector<double>& arc = world.camera_arc;
+  if (arc.size() < 2) return arc.empty() ? 0.0 : arc.front();
+  const double frame = std::max(0.0, time * kFrameRate);
+  const std::size_t i = std::min(static_cast<std::size_t>(frame), arc.size() - 2);
+  return arc[i] + (frame - static_cast<double>(i)) * (arc[i + 1] - arc[i]);
+}
+
+}  // namespace
+
 GroundPose pose_at(const World& world, const Object& object, double time) {
   if (!object.motion.moves) return object.pose;
-  GroundPose pose = world.route.at(object.motion.arc + object.motion.speed * time, object.motion.right);
+  double arc = object.motion.arc + object.motion.speed * time;
+  if (object.motion.leads) {
+    constexpr double kPeriod = 12.0;  // seconds from the farthest place to the nearest and back
+    const double far = 0.5 + 0.5 * std::cos(2.0 * std::numbers::pi * time / kPeriod);
+    arc = camera_arc_at(world, time) + object.motion.nearest +
+          far * (object.motion.farthest - object.motion.nearest);
+  }
+  GroundPose pose = world.route.at(arc, object.motion.right);
   if (object.motion.speed < 0.0) pose.heading += std::numbers::pi;
   return pose;
 }

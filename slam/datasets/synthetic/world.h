@@ -69,12 +69,15 @@ enum class ObjectClass : std::uint8_t {
 constexpr int kObjectClasses = 6;
 const char* name_of(ObjectClass object_class);
 
-// Driving along the world's route at constant speed; a negative speed drives against the route's direction.
+// Driving along the world's route: at constant speed (a negative one drives against the route's direction),
+// or leading the camera at a distance that swings between two values.
 struct Motion {
   bool moves = false;
   double arc = 0.0;    // metres along the route at time 0
   double speed = 0.0;  // metres per second
   double right = 0.0;  // metres to the right of the route
+  bool leads = false;
+  double nearest = 0.0, farthest = 0.0;  // metres along the route ahead of the camera, where it leads
 };
 
 struct Object {
@@ -89,15 +92,19 @@ struct Object {
 
 struct World {
   std::uint32_t seed = 0;
-  Route route;         // the camera's track, which moving objects follow
-  RoadMap road_map;    // markings, kerbs and pavements follow it
-  bool ground = true;  // false: nothing but the objects and the sky
+  Route route;                     // the camera's track, which moving objects follow
+  std::vector<double> camera_arc;  // along the route, one per frame
+  RoadMap road_map;                // markings, kerbs and pavements follow it
+  bool ground = true;              // false: nothing but the objects and the sky
   std::vector<Material> materials;
   std::vector<Body> bodies;
   std::vector<Object> objects;
   Eigen::Vector3f to_sun = Eigen::Vector3f(0.5F, -0.75F, -0.35F).normalized();  // unit vector
   Colour sun_colour{1.45F, 1.30F, 1.08F};
   Colour sky_colour{0.34F, 0.40F, 0.50F};  // ambient light from above
+  float clouds = 0.0F;                     // 0: fair weather, 1: a grey sky
+  Colour sky_tint = Colour::Ones();        // of the sky's colours, as in the evening
+  float texture = 1.0F;                    // contrast of the noise on surfaces
 };
 
 // Cross-section of a street, metres from its centreline. Traffic keeps to the right.

@@ -65,6 +65,53 @@ TEST(CocoEvaluation, AFalsePositiveAboveHalvesThePrecision) {
   EXPECT_NEAR(files.evaluate()["AP"], 1.0, 1e-12);
 }
 
+// Two objects of which 10 % and 50 % are hidden; detections of both and of nothing.
+struct HalfHiddenObjects : CocoFiles {
+  HalfHiddenObjects() {
+    add_object({10, 10, 50, 50});
+    add_object({200, 10, 50, 50});
+    annotations["annotations"][0]["occlusion"] = 0.1;
+    annotations["annotations"][1]["occlusion"] = 0.5;
+    add_result({10, 10, 50, 50}, 0.9);
+    add_result({200, 10, 50, 50}, 0.8);
+    add_result({100, 200, 50, 50}, 0.85);
+  }
+};
+
+TEST(CocoEvaluation, ObjectsOutsideTheOcclusionRangeAreNeitherHitNorMistake) {
+  const HalfHiddenObjects files;
+  for (const CocoRegion region : {CocoRegion::boxes, CocoRegion::masks}) {
+    EXPECT_NEAR(files.evaluate(region)["AP"], (51 + 50 * 2.0 / 3.0) / 101, 1e-12);
+    EXPECT_NEAR(files.evaluate(region, nn::OcclusionRange{0.0, 0.3})["AP"], 1.0, 1e-12);
+    EXPECT_NEAR(files.evaluate(region, nn::OcclusionRange{0.3, 0.6})["AP"], 0.5, 1e-12)
+        << "the detection of nothing stands above it";
+    EXPECT_EQ(files.evaluate(region, nn::OcclusionRange{0.6, 0.9})["AP"], nn::kNoObjects);
+  }
+}
+
+TEST(CocoEvaluation, AnOcclusionRangeHasItsLowerBoundAndNotItsUpper) {
+  const HalfHiddenObjects files;
+  EXPECT_NEAR(files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.5, 0.6})["AP"], 0.5, 1e-12);
+  EXPECT_EQ(files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.3, 0.5})["AP"], nn::kNoObjects);
+  EXPECT_TRUE((nn::OcclusionRange{0.9, 1.0}.contains(1.0))) << "nothing lies beyond 1";
+}
+
+TEST(CocoEvaluation, OcclusionRangesNeedTheHiddenShareOfEveryObject) {
+  HalfHiddenObjects files;
+  files.annotations["annotations"][1].erase("occlusion");
+  expect_error<InputError>(
+      [&] {
+        files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.0, 0.3});
+      },
+      {"instances.json: annotations, entry 1"});
+  files.annotations["annotations"][1]["iscrowd"] = 1;
+  EXPECT_NO_THROW(files.evaluate(CocoRegion::boxes, nn::OcclusionRange{0.0, 0.3}));
+  for (const double wrong : {-0.1, 1.5}) {
+    files.annotations["annotations"][1]["occlusion"] = wrong;
+    expect_error<InputError>([&] { files.evaluate(); }, {"occlusion"});
+  }
+}
+
 TEST(CocoEvaluation, ASecondDetectionOfAnObjectIsAFalsePositive) {
   CocoFiles files;
   files.add_object({10, 10, 50, 50});

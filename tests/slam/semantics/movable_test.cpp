@@ -6,10 +6,11 @@ namespace penumbra::slam {
 namespace {
 
 TEST(MovableClasses, AreKnownByNameWhateverTheCase) {
-  for (const char* name : {"person", "Car", "BUS", "motorcycle", "dog", "rider", "train"}) {
+  for (const char* name :
+       {"person", "Car", "BUS", "motorcycle", "dog", "rider", "train", "cyclist", "truck"}) {
     EXPECT_TRUE(is_movable_class(name)) << name;
   }
-  for (const char* name : {"traffic light", "bench", "stop sign", "", "potted plant"}) {
+  for (const char* name : {"traffic light", "bench", "stop sign", "sign", "", "potted plant"}) {
     EXPECT_FALSE(is_movable_class(name)) << name;
   }
 }

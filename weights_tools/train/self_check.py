@@ -1,0 +1,96 @@
+#!/usr/bin/python3
+"""Checks of the training code that need no data: gates start as the identity, folding keeps the outputs, layers that
+are computed otherwise than torchvision computes them agree with it, masks survive their encoding.
+
+usage: self_check.py        (prints one line a check; exit code 1 where one fails)
+"""
+import sys
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn import functional as F
+
+from coco_data import decode_counts, decode_mask
+from config import CONFIGS
+from model import BoxHead, DoublingConv, build, fold_gains
+
+TINY = CONFIGS["tiny"]
+
+
+def seeded(attention, gain=2.0):
+    torch.manual_seed(1)
+    return build(TINY, attention, gain).eval()
+
+
+def maps(model):
+    torch.manual_seed(2)
+    with torch.no_grad():
+        return list(model.backbone(torch.rand(1, 3, 192, 320)).values())
+
+
+def attention_starts_as_the_identity():
+    return all(torch.equal(a, b) for a, b in zip(maps(seeded(False)), maps(seeded(True))))
+
+
+def folding_keeps_the_outputs():
+    trained = seeded(True)
+    torch.manual_seed(3)
+    for parameter in trained.backbone.fpn.attention.parameters():
+        nn.init.normal_(parameter, std=0.3)
+    folded = seeded(True, gain=1.0)
+    folded.load_state_dict(fold_gains(trained.state_dict(), 2.0))
+    changed = any(not torch.equal(a, b) for a, b in zip(maps(trained), maps(seeded(True))))
+    return changed and all(torch.allclose(a, b, rtol=1e-5) for a, b in zip(maps(trained), maps(folded)))
+
+
+def doubling_is_the_transposed_convolution():
+    layer, x = DoublingConv(8), torch.randn(3, 8, 5, 5)
+    return torch.allclose(layer(x), nn.ConvTranspose2d.forward(layer, x), atol=1e-5)
+
+
+def box_head_is_linear():
+    head, x = BoxHead(8, 16, 1), torch.randn(3, 8, 7, 7)
+    return torch.allclose(head(x), F.relu(head.fc6(x.flatten(1))), atol=1e-4)
+
+
+def encode_counts(counts):
+    """COCO's compressed text, as its rleToString writes it."""
+    text = ""
+    for k, count in enumerate(counts):
+        value, more = count - (counts[k - 2] if k > 2 else 0), True
+        while more:
+            code = value & 31
+            value >>= 5
+            more = value != (-1 if code & 16 else 0)
+            text += chr((code | 32 if more else code) + 48)
+    return text
+
+
+def masks_survive_their_encoding():
+    random = np.random.default_rng(1)
+    for share in (0.02, 0.5, 0.98):
+        mask = (random.random((37, 61)) < share).astype(np.uint8)
+        flat = mask.T.ravel()
+        ends = np.flatnonzero(np.diff(np.concatenate([[0], flat]))).tolist() + [flat.size]
+        counts = [int(c) for c in np.diff([0] + ends)]
+        if decode_counts(encode_counts(counts)) != counts:
+            return False
+        for stored in (counts, encode_counts(counts)):
+            if not np.array_equal(decode_mask({"counts": stored}, 37, 61), mask):
+                return False
+    return True
+
+
+def main():
+    failed = False
+    for check in (attention_starts_as_the_identity, folding_keeps_the_outputs, doubling_is_the_transposed_convolution,
+                  box_head_is_linear, masks_survive_their_encoding):
+        good = check()
+        failed |= not good
+        print("ok    " if good else "FAILED", check.__name__.replace("_", " "))
+    sys.exit(failed)
+
+
+if __name__ == "__main__":
+    main()
