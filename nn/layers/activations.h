@@ -20,12 +20,10 @@
 #include <cstddef>
 #include <span>
 
+#include "nn/layers/activation_kind.h"
 #include "nn/tensor/feature_map.h"
 
 namespace penumbra::nn {
-
-// What a layer does after its sums.
-enum class Activation { none, relu, leaky_relu, sigmoid, silu, hard_sigmoid, hard_swish };
 
 constexpr float kDefaultSlope = 0.01F;  // of leaky_relu below 0, PyTorch's
 

@@ -1,48 +1,34 @@
 #include "nn/layers/conv2d.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "nn/base/error.h"
+#include "nn/layers/direct_convolution.h"
+#include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
 namespace {
 
-// Rows of the output that a task computes with one tile of weights: enough to reuse the weights from L2, few
-// enough that the rows of the input stay there too.
-constexpr int kRowsPerTask = 4;
-// Fully connected layers: images a task, and taps between stores of the sums. 64 taps of 16 channels by 32
-// outputs are 131 KB of weights, which stay in L2 while the images pass.
-constexpr int kImagesPerTask = 56;
-constexpr int kTapsPerPass = 64;
-constexpr int kTileGroups = 2;
-
-float lower_bound(Activation activation) {
-  return activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
-}
-
-// ReLU is part of the tile kernel; the others pass over a row's new pixels while these are in the cache.
-bool after_kernel(Activation activation) {
-  return activation != Activation::none && activation != Activation::relu;
-}
-
-// `channels` from `first` on of row y, in place.
-void activate_row(FeatureMap& map, int n, int y, int first, int channels, const Conv2dOptions& options) {
-  for (int c = first; c < first + channels; c += kBlock) {
-    const int lanes = std::min(channels, kBlock);
-    float* values = map.pixel(n, c / kBlock, y, 0) + c % kBlock;
-    if (lanes == kBlock) {
-      activate(values, static_cast<std::ptrdiff_t>(map.width()) * kBlock, options.activation, options.slope);
-      continue;
-    }
-    for (int x = 0; x < map.width(); ++x, values += kBlock) {
-      activate(values, lanes, options.activation, options.slope);
-    }
-  }
-}
-
 int ceil_div(int a, int b) { return (a + b - 1) / b; }
+
+// The input's values, borders and all, in the numbers that the layer multiplies; nothing for f32.
+ArenaBuffer convert(const FeatureMap& input, const NumberFormat& format, Arena& arena) {
+  if (format.precision == Precision::f32) return {};
+  const int bytes = element_size(format.precision);
+  ArenaBuffer converted = arena.allocate(static_cast<std::size_t>(input.image_stride()) *
+                                         static_cast<std::size_t>(input.batch().capacity) *
+                                         static_cast<std::size_t>(bytes) / sizeof(float));
+  constexpr std::ptrdiff_t kStep = 16 * 1024;  // values a task
+  const std::ptrdiff_t count = input.images() * input.image_stride();
+  auto* out = reinterpret_cast<std::byte*>(converted.data());
+#pragma omp parallel for
+  for (std::ptrdiff_t i = 0; i < count; i += kStep) {
+    low_precision_kernels(format.precision)
+        .convert(input.values() + i, std::min(kStep, count - i), format.input, out + i * bytes);
+  }
+  return converted;
+}
 
 }  // namespace
 
@@ -66,33 +52,50 @@ Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptio
     narrow_ = NarrowGroups(weight, bias, groups);
     return;
   }
-  const int input_blocks = ceil_div(group_inputs, input_block);
   if (input_block == kImageBlock) {
-    // The pixels of a kernel row lie side by side: one tap a row, of K_w * 4 channels.
-    if (options.dilation != 1)
-      throw InputError("conv2d over images", "dilation 1", fmt::format("{}", options.dilation));
-    groups_.emplace_back(
-        outputs_, input_blocks * kernel_height_, kernel_width_ * input_block,
-        [&](int o, int tap, int c) {
-          const int channel = tap / kernel_height_ * input_block + c % input_block;
-          return channel < input_channels_ ? weight.at(o, channel, tap % kernel_height_, c / input_block)
-                                           : 0.0F;
-        },
-        bias);
+    pack_image_weights(weight, bias);
     return;
   }
+  const bool three_by_three =
+      kernel_height_ == 3 && kernel_width_ == 3 && options.stride == 1 && options.dilation == 1;
+  if (options.winograd && options.format.precision == Precision::f32 && three_by_three && groups == 1 &&
+      winograd_pays(input_channels_, outputs_)) {
+    winograd_ = Winograd(weight, bias);
+    return;
+  }
+  pack_weights(weight, bias);
+}
+
+// The pixels of a kernel row lie side by side: one tap a row, of K_w * 4 channels.
+void Conv2d::pack_image_weights(const Tensor& weight, const std::vector<float>& bias) {
+  if (options_.dilation != 1) {
+    throw InputError("conv2d over images", "dilation 1", fmt::format("{}", options_.dilation));
+  }
+  groups_.emplace_back(
+      outputs_, ceil_div(input_channels_, kImageBlock) * kernel_height_, kernel_width_ * kImageBlock,
+      [&](int o, int tap, int c) {
+        const int channel = tap / kernel_height_ * kImageBlock + c % kImageBlock;
+        return channel < input_channels_ ? weight.at(o, channel, tap % kernel_height_, c / kImageBlock)
+                                         : 0.0F;
+      },
+      bias);
+}
+
+void Conv2d::pack_weights(const Tensor& weight, const std::vector<float>& bias) {
+  const int group_outputs = outputs_ / options_.groups, group_inputs = input_channels_ / options_.groups;
   const int positions = kernel_height_ * kernel_width_;
-  for (int g = 0; g < groups; ++g) {
+  for (int g = 0; g < options_.groups; ++g) {
     const int first = g * group_outputs;
     groups_.emplace_back(
-        group_outputs, input_blocks * positions, input_block,
+        group_outputs, ceil_div(group_inputs, kBlock) * positions, kBlock,
         [&](int o, int tap, int c) {
-          const int channel = tap / positions * input_block + c, position = tap % positions;
+          const int channel = tap / positions * kBlock + c, position = tap % positions;
           return channel < group_inputs
                      ? weight.at(first + o, channel, position / kernel_width_, position % kernel_width_)
                      : 0.0F;
         },
-        bias.empty() ? bias : std::vector<float>(bias.begin() + first, bias.begin() + first + group_outputs));
+        bias.empty() ? bias : std::vector<float>(bias.begin() + first, bias.begin() + first + group_outputs),
+        options_.format);
   }
 }
 
@@ -127,124 +130,47 @@ FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_
   }
 
   FeatureMap output(arena, input.batch(), outputs_, out.height, out.width, output_border);
-  if (groups_.empty()) {
-    over_rows(input, residual, output);
-    return output;
-  }
-  const int tap_count = groups_.front().taps();
-  const ArenaBuffer tap_memory = arena.allocate(static_cast<std::size_t>(tap_count) * 2);
-  auto* taps = reinterpret_cast<std::ptrdiff_t*>(tap_memory.data());
-  const bool row_taps = input_block_ == kImageBlock;  // a tap holds a whole kernel row
-  const int group_blocks = input.blocks() / options_.groups;
-  std::ptrdiff_t* next = taps;
-  for (int b = 0; b < group_blocks; ++b) {
-    for (int u = 0; u < kernel_height_; ++u) {
-      for (int v = 0; v < (row_taps ? 1 : kernel_width_); ++v) {
-        *next++ = b * input.block_stride() + u * options_.dilation * input.row_stride() +
-                  static_cast<std::ptrdiff_t>(v) * options_.dilation * input.block();
-      }
-    }
-  }
-  if (out.height == 1 && out.width == 1 && output_border == 0 && options_.groups == 1) {
-    over_images(input, taps, residual, output);
-    if (after_kernel(options_.activation)) activate(output, options_.activation, options_.slope);
+  if (!winograd_.empty()) {
+    winograd_(input, options_.padding, options_.activation, residual, output, arena);
+    if (options_.activation != Activation::relu) activate(output, options_.activation, options_.slope);
+  } else if (!groups_.empty()) {
+    direct(input, residual, output, arena);
   } else {
-    over_pixels(input, taps, residual, output);
+    over_rows(input, residual, output);
   }
   return output;
 }
 
-void Conv2d::over_pixels(const FeatureMap& input, const std::ptrdiff_t* taps, const FeatureMap* residual,
-                         FeatureMap& output) const {
-  const int height = output.height(), width = output.width();
-  const int group_tiles = groups_.front().tiles(), tiles = group_tiles * options_.groups;
-  const int group_inputs = input.blocks() / options_.groups,
-            group_outputs = output.blocks() / options_.groups;
-  const int row_groups = ceil_div(height, kRowsPerTask);
-  const int segments = ceil_div(width, groups_.front().tile_pixels());  // of a row, as even as can be
-
-#pragma omp parallel for collapse(3) schedule(dynamic)
-  for (int n = 0; n < output.images(); ++n) {
-    for (int group = 0; group < row_groups; ++group) {
-      for (int t = 0; t < tiles; ++t) {
-        const int g = t / group_tiles;
-        const PackedWeights& weights = groups_[static_cast<std::size_t>(g)];
-        const WeightTile tile = weights.tile(t % group_tiles);
-        const int block = g * group_outputs + tile.block;
-        TileArguments a;
-        a.input_pixel_stride = static_cast<std::ptrdiff_t>(options_.stride) * input.block();
-        a.taps = taps;
-        a.tap_count = weights.taps();
-        a.depth = weights.depth();
-        a.weights = tile.weights;
-        a.bias = tile.bias;
-        a.output_pixel_stride = output.block();
-        a.output_block_stride = output.block_stride();
-        a.lower_bound = lower_bound(options_.activation);
-        if (residual != nullptr) {
-          a.residual_pixel_stride = residual->block();
-          a.residual_block_stride = residual->block_stride();
-        }
-        for (int y = group * kRowsPerTask; y < std::min((group + 1) * kRowsPerTask, height); ++y) {
-          for (int s = 0; s < segments; ++s) {
-            const int x = width * s / segments, end = width * (s + 1) / segments;
-            a.input = input.pixel(n, g * group_inputs, y * options_.stride - options_.padding,
-                                  x * options_.stride - options_.padding);
-            a.output = output.pixel(n, block, y, x) + tile.lane;
-            if (residual != nullptr) a.residual = residual->pixel(n, block, y, x) + tile.lane;
-            weights.kernel(tile, end - x)(a);
-          }
-          if (after_kernel(options_.activation)) {
-            const int channels = tile.narrow ? kBlock : kernels().tile_channels;
-            activate_row(output, n, y, block * kBlock + tile.lane, channels, options_);
-          }
-        }
+void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output,
+                    Arena& arena) const {
+  const bool row_taps = input_block_ == kImageBlock;  // a tap holds a whole kernel row
+  ArenaVector<std::ptrdiff_t> taps(arena, static_cast<std::size_t>(groups_.front().taps()));
+  for (int b = 0; b < input.blocks() / options_.groups; ++b) {
+    for (int u = 0; u < kernel_height_; ++u) {
+      for (int v = 0; v < (row_taps ? 1 : kernel_width_); ++v) {
+        taps.push_back(b * input.block_stride() + u * options_.dilation * input.row_stride() +
+                       static_cast<std::ptrdiff_t>(v) * options_.dilation * input.block());
       }
     }
   }
-}
-
-void Conv2d::over_images(const FeatureMap& input, const std::ptrdiff_t* taps, const FeatureMap* residual,
-                         FeatureMap& output) const {
-  const PackedWeights& weights = groups_.front();
-  const int tiles = weights.tiles(), images = output.images(), step = weights.tile_pixels();
-  const int image_groups = ceil_div(images, kImagesPerTask);
-
-#pragma omp parallel for collapse(2) schedule(dynamic)
-  for (int group = 0; group < image_groups; ++group) {
-    for (int half = 0; half < kTileGroups; ++half) {
-      for (int first_tap = 0; first_tap < weights.taps(); first_tap += kTapsPerPass) {
-        const int pass_taps = std::min(kTapsPerPass, weights.taps() - first_tap);
-        const bool last = first_tap + pass_taps == weights.taps();
-        for (int t = tiles * half / kTileGroups; t < tiles * (half + 1) / kTileGroups; ++t) {
-          const WeightTile tile = weights.tile(t);
-          const int tile_channels = tile.narrow ? kBlock : kernels().tile_channels;
-          TileArguments a;
-          a.input_pixel_stride = input.image_stride();
-          a.taps = taps + first_tap;
-          a.tap_count = pass_taps;
-          a.depth = weights.depth();
-          a.weights = tile.weights + static_cast<std::ptrdiff_t>(first_tap) * weights.depth() * tile_channels;
-          a.bias = tile.bias;
-          a.output_pixel_stride = output.image_stride();
-          a.output_block_stride = output.block_stride();
-          a.accumulate = first_tap > 0;
-          a.lower_bound = lower_bound(last ? options_.activation : Activation::none);
-          if (last && residual != nullptr) {
-            a.residual_pixel_stride = residual->image_stride();
-            a.residual_block_stride = residual->block_stride();
-          }
-          for (int n = group * kImagesPerTask; n < std::min((group + 1) * kImagesPerTask, images);
-               n += step) {
-            a.input = input.pixel(n, 0, -options_.padding, -options_.padding);
-            a.output = output.pixel(n, tile.block, 0, 0) + tile.lane;
-            if (last && residual != nullptr) a.residual = residual->pixel(n, tile.block, 0, 0) + tile.lane;
-            const int end = std::min({n + step, (group + 1) * kImagesPerTask, images});
-            weights.kernel(tile, end - n)(a);
-          }
-        }
-      }
-    }
+  const ArenaBuffer converted = convert(input, groups_.front().format(), arena);
+  DirectConvolution convolution;
+  convolution.groups = groups_;
+  convolution.taps = taps.data();
+  convolution.stride = options_.stride;
+  convolution.padding = options_.padding;
+  convolution.activation = options_.activation;
+  convolution.slope = options_.slope;
+  convolution.input = &input;
+  convolution.values =
+      reinterpret_cast<const std::byte*>(converted.data() != nullptr ? converted.data() : input.values());
+  convolution.residual = residual;
+  convolution.output = &output;
+  const bool one_pixel = output.height() == 1 && output.width() == 1 && output.border() == 0;
+  if (one_pixel && options_.groups == 1) {
+    convolve_images(convolution);
+  } else {
+    convolve_pixels(convolution);
   }
 }
 

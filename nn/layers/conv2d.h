@@ -8,11 +8,14 @@
 //
 // Shapes: x [N, C, H, W], w [O, C/G, K_h, K_w], y and r [N, O, H_out, W_out].
 // Cost: N O H_out W_out C/G K_h K_w multiply-adds (C rounded up to the input's block: 16, or 4 for images).
-// Method: direct, on the register-tile kernel; x's border serves as the zero padding and so must be at least
-// p wide (a copy is made where it is not). Where the output is one pixel an image (fully connected layers),
-// the images take the place of the pixels. Groups of whole blocks of 16 channels, in and out, run on the tile
-// kernel one after the other; narrow_groups.h does the others. The result does not depend on the number of
-// threads.
+// Method: x's border serves as the zero padding and so must be at least p wide (a copy is made where it is
+// not); then one of
+//   winograd.h            3 x 3 of stride 1, where it pays
+//   direct_convolution.h  everything else, on the register tile; where the output is one pixel an image
+//   (fully
+//                         connected layers), the images take the place of the pixels
+//   narrow_groups.h       groups that are no whole blocks of 16 channels
+// The result does not depend on the number of threads.
 // Source: torch.nn.Conv2d (cross-correlation); reference/convolution.cpp is the oracle.
 #pragma once
 
@@ -21,6 +24,7 @@
 #include "nn/layers/activations.h"
 #include "nn/layers/narrow_groups.h"
 #include "nn/layers/packed_weights.h"
+#include "nn/layers/winograd.h"
 #include "nn/tensor/feature_map.h"
 #include "nn/tensor/tensor.h"
 
@@ -33,6 +37,8 @@ struct Conv2dOptions {
   int groups = 1;
   Activation activation = Activation::none;
   float slope = kDefaultSlope;  // of leaky_relu
+  bool winograd = true;         // false: never, as benchmarks and tests ask
+  NumberFormat format;          // in which the direct method multiplies
 };
 
 class Conv2d {
@@ -50,6 +56,11 @@ class Conv2d {
                         const FeatureMap* residual = nullptr) const;
 
   int output_channels() const { return outputs_; }
+  // How it is computed: "winograd", "direct" or "narrow" groups.
+  const char* algorithm() const {
+    if (!winograd_.empty()) return "winograd";
+    return groups_.empty() ? "narrow" : "direct";
+  }
   // Multiply-adds for an input of height x width pixels, counted without the padding of channels to blocks.
   double multiply_adds(int height, int width) const;
 
@@ -58,16 +69,16 @@ class Conv2d {
     int height, width;  // of the output
   };
   Geometry output_size(int height, int width) const;
-  void over_pixels(const FeatureMap& input, const std::ptrdiff_t* taps, const FeatureMap* residual,
-                   FeatureMap& output) const;
-  void over_images(const FeatureMap& input, const std::ptrdiff_t* taps, const FeatureMap* residual,
-                   FeatureMap& output) const;
-
+  void pack_image_weights(const Tensor& weight, const std::vector<float>& bias);
+  void pack_weights(const Tensor& weight, const std::vector<float>& bias);
+  void direct(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output, Arena& arena) const;
   void over_rows(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output) const;
 
   Conv2dOptions options_;
   int input_channels_ = 0, outputs_ = 0, kernel_height_ = 0, kernel_width_ = 0, input_block_ = kBlock;
-  std::vector<PackedWeights> groups_;  // one a group, or none where narrow_ does the work
+  // One of these holds the weights.
+  Winograd winograd_;
+  std::vector<PackedWeights> groups_;  // one a group
   NarrowGroups narrow_;
 };
 

@@ -129,10 +129,7 @@ void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, std
         TileArguments a;
         a.input_pixel_stride = input.block();
         a.taps = taps;
-        a.tap_count = phase.weights.taps();
-        a.depth = kBlock;
-        a.weights = tile.weights;
-        a.bias = tile.bias;
+        phase.weights.prepare(tile, 0, phase.weights.taps(), a);
         a.output_pixel_stride = static_cast<std::ptrdiff_t>(stride) * output.block();
         a.output_block_stride = output.block_stride();
         a.lower_bound =

@@ -6,18 +6,12 @@
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "nn/simd/kernel_table.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
 namespace {
-
-// A bilinear sample along one axis: two neighbouring pixels and their weights; both weights are 0 outside the
-// map.
-struct AxisSample {
-  int low = 0, high = 0;
-  float low_weight = 0.0F, high_weight = 0.0F;
-};
 
 AxisSample sample_axis(float position, int extent) {
   if (!(position >= -1.0F && position <= static_cast<float>(extent))) return {};  // also NaN
@@ -57,30 +51,18 @@ void sample_bins(float low, float high, const RoiAlignOptions& options, int map_
 
 void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, int size, int region,
                   FeatureMap& output) {
-  const float share = 1.0F / static_cast<float>(std::max(rows.sampling * columns.sampling, 1));
+  RoiAlignArguments a;
+  a.map_row_stride = map.row_stride();
+  a.rows = rows.samples;
+  a.columns = columns.samples;
+  a.row_sampling = rows.sampling;
+  a.column_sampling = columns.sampling;
+  a.size = size;
+  a.output_row_stride = output.row_stride();
   for (int b = 0; b < map.blocks(); ++b) {
-    for (int i = 0; i < size; ++i) {
-      for (int j = 0; j < size; ++j) {
-        float sum[kBlock] = {};
-        for (int u = 0; u < rows.sampling; ++u) {
-          const AxisSample& row = rows.samples[i * rows.sampling + u];
-          for (int v = 0; v < columns.sampling; ++v) {
-            const AxisSample& column = columns.samples[j * columns.sampling + v];
-            const float* p00 = map.pixel(0, b, row.low, column.low);
-            const float* p01 = map.pixel(0, b, row.low, column.high);
-            const float* p10 = map.pixel(0, b, row.high, column.low);
-            const float* p11 = map.pixel(0, b, row.high, column.high);
-            const float w00 = row.low_weight * column.low_weight, w01 = row.low_weight * column.high_weight;
-            const float w10 = row.high_weight * column.low_weight, w11 = row.high_weight * column.high_weight;
-            for (int c = 0; c < kBlock; ++c) {
-              sum[c] += w00 * p00[c] + w01 * p01[c] + w10 * p10[c] + w11 * p11[c];
-            }
-          }
-        }
-        float* out = output.pixel(region, b, i, j);
-        for (int c = 0; c < kBlock; ++c) out[c] = sum[c] * share;
-      }
-    }
+    a.map = map.pixel(0, b, 0, 0);
+    a.output = output.pixel(region, b, 0, 0);
+    kernels().roi_align(a);
   }
 }
 

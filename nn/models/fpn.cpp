@@ -52,6 +52,15 @@ FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix,
   }
 }
 
+double FeaturePyramid::multiply_adds(int height, int width) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const int h = height >> (k + 2), w = width >> (k + 2);
+    sum += levels_[k].lateral.multiply_adds(h, w) + levels_[k].output.multiply_adds(h, w);
+  }
+  return sum;
+}
+
 std::array<FeatureMap, kPyramidLevels> FeaturePyramid::operator()(std::array<FeatureMap, 4> stages,
                                                                   Arena& arena) const {
   std::array<FeatureMap, kPyramidLevels> pyramid;

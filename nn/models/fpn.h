@@ -37,6 +37,9 @@ class FeaturePyramid {
   int channels() const { return channels_; }
   bool has_attention() const { return levels_.front().attention.has_value(); }
 
+  // Of the convolutions, for an image of height x width pixels at the network, multiples of 32.
+  double multiply_adds(int height, int width) const;
+
   // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them. Gives a stage's
   // memory back when its lateral convolution has read it.
   std::array<FeatureMap, kPyramidLevels> operator()(std::array<FeatureMap, 4> stages, Arena& arena) const;

@@ -96,7 +96,7 @@ void MaskRcnn::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>
   const ImageExtent extent = transformed_extent(image, config_.transform);
   const Arena::Pass pass(arena, this, extent.padded_height, extent.padded_width);
   FeatureMap input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
-  const std::array<FeatureMap, kPyramidLevels> pyramid = pyramid_(backbone_(std::move(input), arena), arena);
+  const std::array<FeatureMap, kPyramidLevels> pyramid = this->pyramid(std::move(input), arena);
   const ArenaVector<Box> proposals = rpn_(pyramid, extent, arena);
 
   std::array<PyramidLevel, 4> levels;  // the heads read P2..P5

@@ -19,6 +19,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "nn/io/image_transform.h"
@@ -53,6 +54,18 @@ class MaskRcnn : public InstanceSegmenter {
   int classes() const override { return box_head_.classes(); }
   bool has_masks() const override { return true; }
   bool has_attention() const { return pyramid_.has_attention(); }
+
+  // The parts that benchmarks time: the extent of an image at the network, P2..P6 of a transformed image
+  // (given back when the stem has read it), and the multiply-adds of the convolutions on the way there.
+  ImageExtent input_extent(const cv::Mat& image) const {
+    return transformed_extent(image, config_.transform);
+  }
+  std::array<FeatureMap, kPyramidLevels> pyramid(FeatureMap input, Arena& arena) const {
+    return pyramid_(backbone_(std::move(input), arena), arena);
+  }
+  double pyramid_multiply_adds(int height, int width) const {
+    return backbone_.multiply_adds(height, width) + pyramid_.multiply_adds(height, width);
+  }
 
   using InstanceSegmenter::detect;
   void detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const override;

@@ -123,6 +123,24 @@ ResNet::ResNet(WeightReader& weights, const std::string& prefix, const ResNetSha
   }
 }
 
+double ResNet::multiply_adds(int height, int width) const {
+  double sum = stem_.multiply_adds(height, width);
+  for (std::size_t stage = 0; stage < stages_.size(); ++stage) {
+    const int h = height >> (stage + 2), w = width >> (stage + 2);  // of the stage's output
+    for (const Block& block : stages_[stage]) {
+      // The first block of a later stage halves the map: in its 3 x 3 convolution, and beside it.
+      const int step = stage > 0 && &block == &stages_[stage].front() ? 2 : 1;
+      const std::size_t halving = bottleneck_ ? 1 : 0;
+      for (std::size_t k = 0; k < block.convolutions.size(); ++k) {
+        const int scale = k <= halving ? step : 1;
+        sum += block.convolutions[k].multiply_adds(h * scale, w * scale);
+      }
+      if (block.downsample) sum += block.downsample->multiply_adds(h * step, w * step);
+    }
+  }
+  return sum;
+}
+
 FeatureMap ResNet::apply(const Block& block, const FeatureMap& x, Arena& arena) const {
   // Maps that a 3 x 3 convolution reads get a border of 1.
   FeatureMap inner = block.convolutions[0](x, arena, 1);

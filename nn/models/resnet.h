@@ -50,6 +50,9 @@ class ResNet {
   const ResNetShape& shape() const { return shape_; }
   const std::array<int, 4>& channels() const { return channels_; }  // of C2..C5
 
+  // Of the convolutions, for an image of height x width pixels, multiples of 32.
+  double multiply_adds(int height, int width) const;
+
   // `image` is [1, 3, H, W] in blocks of 4, and given back when the stem has read it; returns C2..C5.
   std::array<FeatureMap, 4> operator()(FeatureMap image, Arena& arena) const;
 

@@ -1,31 +1,36 @@
-// The vector kernels behind the layers, one table per instruction set.
-//
-// One register-tile kernel serves every layer that multiplies: convolutions, transposed convolutions and
-// fully connected layers. It computes, for P neighbouring output pixels p and a tile of V output channels o,
-//
-//   y[p][o] = max( lower_bound, start[p][o] + sum_t sum_c x[p * pixel_stride + taps[t] + c] * w[t][c][o] )
-//
-// with t over the taps (kernel positions times input blocks), c over the `depth` channels that lie side by
-// side at a tap, and start = bias (+ residual), or what `output` holds where `accumulate` is set. The sums
-// stay in registers: 14 pixels x 32 channels on AVX-512, 6 x 16 on AVX2. Every multiply-add is one fused
-// instruction on both; per multiply-add of 14 x 32 the kernel loads 2 weight vectors and 14 scalars. Cost: P
-// * V * taps * depth multiply-adds.
+// The vector kernels behind the layers, one table per instruction set. What each computes stands with its
+// arguments below; the code is in nn/simd/kernels, compiled once for each instruction set.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
+#include "nn/layers/activation_kind.h"
 #include "nn/simd/isa.h"
 
 namespace penumbra::nn {
 
+// The register tile: for P neighbouring output pixels p and a tile of V output channels o,
+//
+//   y[p][o] = max( lower_bound, start[p][o] + sum_t sum_c x[p * pixel_stride + taps[t] + c] * w[t][c][o] )
+//
+// with t over the taps (kernel positions times input blocks), c over the `depth` channels that lie side by
+// side at a tap, and start = bias, or what `output` holds where `accumulate` is set; a residual is added at
+// the end. One kernel serves every layer that multiplies: convolutions, transposed convolutions, fully
+// connected layers and Winograd's products. The sums stay in registers: 14 pixels x 32 channels on AVX-512,
+// 6 x 16 on AVX2. Every multiply-add is one fused instruction on both; per multiply-add of 14 x 32 the kernel
+// loads 2 weight vectors and 14 scalars. Cost: P * V * taps * depth multiply-adds.
+//
+// x and w are f32, or bf16 or 8-bit numbers in the tiles of low_precision.h. Strides count elements of x.
 struct TileArguments {
-  const float* input = nullptr;           // pixel 0 at tap offset 0
-  std::ptrdiff_t input_pixel_stride = 0;  // floats from an output pixel's input to the next one's
-  const std::ptrdiff_t* taps = nullptr;   // offset of every tap in floats
+  const void* input = nullptr;            // pixel 0 at tap offset 0
+  std::ptrdiff_t input_pixel_stride = 0;  // from an output pixel's input to the next one's
+  const std::ptrdiff_t* taps = nullptr;   // offset of every tap
   int tap_count = 0;
   int depth = 0;                    // channels a tap, a multiple of 4
-  const float* weights = nullptr;   // [tap][depth][V], 64-byte aligned
+  const void* weights = nullptr;    // [tap][depth][V], 64-byte aligned
+  const float* scale = nullptr;     // [V], 8-bit tiles only: what a sum of products of 1 and 1 is worth
   const float* bias = nullptr;      // [V]
   const float* residual = nullptr;  // null for none
   std::ptrdiff_t residual_pixel_stride = 0;
@@ -41,12 +46,72 @@ using TileFunction = void (*)(const TileArguments&);
 
 constexpr int kMaxTilePixels = 14;
 
+struct TileKernels {
+  int pixels;    // P: most pixels a call
+  int channels;  // V of a full tile; a narrow tile (AVX-512 only) has 16
+  // full[p - 1] computes p pixels of a full tile, narrow[p - 1] of a 16-channel one.
+  std::array<TileFunction, kMaxTilePixels> full;
+  std::array<TileFunction, kMaxTilePixels> narrow;
+};
+
+// Winograd's transforms of 16 channels; docs/engine/winograd.md derives them, nn/layers/winograd.h uses them.
+constexpr int kWinogradOutput = 4;                                   // m: a tile is 4 x 4 output pixels,
+constexpr int kWinogradInput = kWinogradOutput + 2;                  // made from 6 x 6 input pixels
+constexpr int kWinogradPositions = kWinogradInput * kWinogradInput;  // by 36 products a pair of channels
+
+// V = B^T d B for `tiles` neighbouring tiles of a row: d are 6 x 6 input pixels, the next tile's 4 pixels on.
+struct WinogradInputArguments {
+  const float* input = nullptr;        // the first tile's first pixel; pixels are 16 floats apart
+  std::ptrdiff_t row_stride = 0;       // floats
+  float* output = nullptr;             // V of the first tile; the next tile's 16 floats on
+  std::ptrdiff_t position_stride = 0;  // from one of the 36 numbers to the next
+  int tiles = 0;
+};
+
+// y = max( lower_bound, A^T M A + bias + residual ) for `tiles` neighbouring tiles of a row, cut to `rows` x
+// `columns` pixels.
+struct WinogradOutputArguments {
+  const float* input = nullptr;  // M of the first tile; the next tile's 16 floats on
+  std::ptrdiff_t position_stride = 0;
+  int tiles = 0;
+  const float* bias = nullptr;      // [16]
+  const float* residual = nullptr;  // null for none; pixels 16 floats apart, as in the output
+  std::ptrdiff_t residual_row_stride = 0;
+  float* output = nullptr;
+  std::ptrdiff_t output_row_stride = 0;
+  int rows = 0, columns = 0;  // 1..4, 1..4 tiles
+  float lower_bound = 0.0F;
+};
+
+// A bilinear sample along one axis: two neighbouring pixels and their weights; both weights are 0 outside the
+// map.
+struct AxisSample {
+  int low = 0, high = 0;
+  float low_weight = 0.0F, high_weight = 0.0F;
+};
+
+// One block of 16 channels of a region of RoIAlign: y[i][j] is the mean over bin (i, j)'s samples, which are
+// `row_sampling` x `column_sampling` of `rows` and `columns`, bin by bin. See nn/layers/roi_align.h.
+struct RoiAlignArguments {
+  const float* map = nullptr;  // pixel (0, 0); pixels are 16 floats apart
+  std::ptrdiff_t map_row_stride = 0;
+  const AxisSample* rows = nullptr;
+  const AxisSample* columns = nullptr;
+  int row_sampling = 0, column_sampling = 0;
+  int size = 0;             // bins an axis
+  float* output = nullptr;  // bin (0, 0); bins are 16 floats apart
+  std::ptrdiff_t output_row_stride = 0;
+};
+
 struct KernelTable {
-  int tile_pixels;    // P: most pixels a call
-  int tile_channels;  // V of a full tile; a narrow tile (AVX-512 only) has 16
-  // tile[p - 1] computes p pixels of a full tile, narrow_tile[p - 1] of a 16-channel one.
-  std::array<TileFunction, kMaxTilePixels> tile;
-  std::array<TileFunction, kMaxTilePixels> narrow_tile;
+  const TileKernels* tile;
+  void (*winograd_input)(const WinogradInputArguments&);
+  void (*winograd_output)(const WinogradOutputArguments&);
+
+  // In place, `count` values; `slope` is read by leaky_relu alone. See nn/layers/activations.h.
+  void (*activate)(float* values, std::ptrdiff_t count, Activation activation, float slope);
+  void (*roi_align)(const RoiAlignArguments&);
+
   // Runs `iterations` of a loop of independent multiply-adds in registers; returns the floating-point
   // operations done (two a multiply-add): what the processor can do at best.
   double (*peak_loop)(long iterations);

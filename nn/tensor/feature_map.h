@@ -48,13 +48,16 @@ class FeatureMap {
   std::ptrdiff_t image_stride() const { return block_stride() * blocks(); }
 
   // First channel of block `b` of pixel (y, x) of image `n`; y and x may reach into the border.
-  float* pixel(int n, int b, int y, int x) {
-    return data_.data() + n * image_stride() + b * block_stride() + (y + border_) * row_stride() +
-           static_cast<std::ptrdiff_t>(x + border_) * block_;
-  }
+  float* pixel(int n, int b, int y, int x) { return data_.data() + offset(n, b, y, x); }
   const float* pixel(int n, int b, int y, int x) const {
     return const_cast<FeatureMap*>(this)->pixel(n, b, y, x);
   }
+  // The same as a place among all values, borders included, of which there are images() * image_stride().
+  std::ptrdiff_t offset(int n, int b, int y, int x) const {
+    return n * image_stride() + b * block_stride() + (y + border_) * row_stride() +
+           static_cast<std::ptrdiff_t>(x + border_) * block_;
+  }
+  const float* values() const { return data_.data(); }
 
  private:
   Batch batch_;

@@ -1,6 +1,6 @@
 // One vector register of floats of the instruction set that a kernel file is compiled for (PENUMBRA_ISA),
-// over xsimd. Only kernels.cpp includes this: everything here is inlined into its instruction set's
-// namespace.
+// over xsimd. Only the files of this folder include this: everything here is inlined into its instruction
+// set's namespace.
 #pragma once
 
 #include <xsimd/xsimd.hpp>
@@ -17,6 +17,8 @@ using Architecture = xsimd::sse4_2;
 
 using Vector = xsimd::batch<float, Architecture>;
 constexpr int kLanes = static_cast<int>(Vector::size);
+constexpr int kBlockLanes = 16;  // channels of a feature map's block
+constexpr int kBlockVectors = kBlockLanes / kLanes;
 
 // a * b + c in one rounding where the processor can. xsimd 8.1 multiplies and adds separately on AVX-512, so
 // that one is spelled out.
