@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kCorpus = fs::path(PENUMBRA_SOURCE_DIR) / "tests/fuzz/corpus";
+const fs::path kCorpus = test::source_path("tests/fuzz/corpus");
 
 std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> files;

@@ -20,8 +20,7 @@ std::string read_all(const std::filesystem::path& path) {
 
 std::filesystem::path data_root() {
   const char* root = std::getenv("PENUMBRA_DATA");
-  return root != nullptr ? std::filesystem::path(root)
-                         : std::filesystem::path(PENUMBRA_SOURCE_DIR) / "../shared/data";
+  return root != nullptr ? std::filesystem::path(root) : source_path("../shared/data");
 }
 
 bool data_is_required() {
@@ -29,9 +28,11 @@ bool data_is_required() {
   return required != nullptr && std::string(required) == "1";
 }
 
-std::filesystem::path fixture(const std::string& name) {
-  return std::filesystem::path(PENUMBRA_SOURCE_DIR) / "tests/fixtures" / name;
+std::filesystem::path source_path(const std::string& relative) {
+  return std::filesystem::path(PENUMBRA_SOURCE_DIR) / relative;
 }
+
+std::filesystem::path fixture(const std::string& name) { return source_path("tests/fixtures") / name; }
 
 TemporaryDirectory::TemporaryDirectory() {
   std::string pattern = (std::filesystem::temp_directory_path() / "penumbra_test_XXXXXX").string();

@@ -13,7 +13,8 @@ namespace penumbra::test {
 
 std::filesystem::path data_root();
 bool data_is_required();
-// tests/fixtures of the source tree.
+// A path relative to the root of the source tree, and to its tests/fixtures.
+std::filesystem::path source_path(const std::string& relative);
 std::filesystem::path fixture(const std::string& name);
 
 // A directory that is empty at the start of the test and removed at its end.
