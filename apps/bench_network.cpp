@@ -48,35 +48,46 @@ cv::Mat noise_image(const std::string& size) {
   return image;
 }
 
-nn::MaskRcnn make_network(const NetworkBenchmarkOptions& options) {
+std::unique_ptr<nn::MaskRcnn> make_network(const NetworkBenchmarkOptions& options, const cv::Mat& image) {
   nn::MaskRcnnConfig config = options.config;
   config.box_head.max_detections = options.detections;
-  if (options.weights.empty())
-    return nn::MaskRcnn(nn::random_mask_rcnn(options.attention, kClassGain), config);
-  return nn::MaskRcnn(weights_tools::load_weights(options.weights), config);
+  if (!options.weights.empty()) {
+    return std::make_unique<nn::MaskRcnn>(weights_tools::load_weights(options.weights), config);
+  }
+  nn::StateDict weights = nn::random_mask_rcnn(options.attention, kClassGain);
+  if (config.precision.precision == nn::Precision::int8) {  // random weights are calibrated on the spot
+    nn::InputRanges ranges;
+    nn::MaskRcnnConfig observing = config;
+    observing.precision = {nn::Precision::f32, &ranges};
+    nn::Arena arena;
+    nn::MaskRcnn(weights, observing).detect(image, arena);
+    nn::store_input_ranges(ranges, weights);
+  }
+  return std::make_unique<nn::MaskRcnn>(weights, config);
 }
 
 void bench_network(const NetworkBenchmarkOptions& options) {
   const cv::Mat image = noise_image(options.size);
-  const nn::MaskRcnn network = make_network(options);
-  const nn::ImageExtent extent = network.input_extent(image);
+  const std::unique_ptr<nn::MaskRcnn> network = make_network(options, image);
+  const nn::ImageExtent extent = network->input_extent(image);
   const double peak = peak_gflops();
 
   nn::Arena arena;
   std::vector<nn::Detection> detections;
-  const Timing full = time_repeats(options.common, [&] { network.detect(image, arena, detections); });
+  const Timing full = time_repeats(options.common, [&] { network->detect(image, arena, detections); });
   const std::size_t arena_bytes = arena.peak_bytes();
   const int key = 0;
   const Timing pyramid = time_repeats(options.common, [&] {
     const nn::Arena::Pass pass(arena, &key, extent.padded_height, extent.padded_width);
     nn::FeatureMap input(arena, 1, 3, extent.padded_height, extent.padded_width, nn::ResNet::kImageBorder,
                          nn::kImageBlock);
-    network.pyramid(std::move(input), arena);
+    network->pyramid(std::move(input), arena);
   });
-  const double gflop = 2e-9 * network.pyramid_multiply_adds(extent.padded_height, extent.padded_width);
+  const double gflop = 2e-9 * network->pyramid_multiply_adds(extent.padded_height, extent.padded_width);
 
   nlohmann::ordered_json result = machine_json(peak);
-  result["network"] = network.name();
+  result["precision"] = to_string(options.config.precision.precision);
+  result["network"] = network->name();
   result["image"] = options.size;
   result["input"] = fmt::format("{}x{}", extent.padded_width, extent.padded_height);
   result["detections"] = detections.size();
@@ -92,8 +103,9 @@ void bench_network(const NetworkBenchmarkOptions& options) {
     return;
   }
   print_machine(peak);
-  fmt::print("{}, {} image as {}, {} detections\n", network.name(), options.size,
-             result["input"].get<std::string>(), detections.size());
+  fmt::print("{} in {}, {} image as {}, {} detections\n", network->name(),
+             to_string(options.config.precision.precision), options.size, result["input"].get<std::string>(),
+             detections.size());
   fmt::print("backbone and pyramid {:8.1f} ms ({:.0f}% spread), {:.1f} GFLOP, {:.2f} x peak\n",
              pyramid.median * 1e3, pyramid.spread() * 100, gflop, gflop / pyramid.median / peak);
   fmt::print("full network         {:8.1f} ms ({:.0f}% spread), {:.0f} MB of activations\n",
@@ -116,11 +128,20 @@ void add_network_benchmark(CLI::App& bench) {
           "--min-size", [options](int size) { options->config.min_size = size; },
           "shorter side at the network, pixels [the weights' own, or 800]")
       ->check(CLI::Range(32, 4096));
+  command
+      ->add_option_function<std::string>(
+          "--precision",
+          [options](const std::string& name) {
+            options->config.precision.precision = nn::precision_from_name(name);
+          },
+          "numbers that are multiplied: f32, bf16 or int8 [f32]")
+      ->check(CLI::IsMember({"f32", "bf16", "int8"}));
   add_benchmark_options(command, options->common);
   command->footer(
       "Examples:\n"
       "  penumbra bench network --size 1242x375 --detections 100 --json\n"
       "  penumbra bench network --size 640x480 --min-size 400 --detections 20\n"
+      "  penumbra bench network --precision bf16\n"
       "  penumbra bench network --weights maskrcnn.safetensors --isa avx2 --threads 1\n");
   command->callback([options] { bench_network(*options); });
 }

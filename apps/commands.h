@@ -15,6 +15,7 @@ void add_eval_command(CLI::App& app);       // compare a trajectory with the gro
 void add_eval_coco_command(CLI::App& app);  // compare detections with the ground truth
 void add_convert_command(CLI::App& app);    // checkpoints to safetensors
 void add_info_command(CLI::App& app);       // list a checkpoint's tensors
+void add_calibrate_command(CLI::App& app);  // prepare weights for 8-bit arithmetic
 void add_bench_command(CLI::App& app);      // measure speed
 
 }  // namespace penumbra::apps

@@ -1,14 +1,20 @@
-// penumbra info: what a checkpoint holds.
+// penumbra info: what a checkpoint holds, or what the processor can do.
 #include <fmt/format.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "apps/commands.h"
+#include "apps/compute_options.h"
+#include "nn/base/error.h"
 #include "nn/base/text.h"
+#include "nn/simd/kernel_table.h"
+#include "nn/simd/low_precision.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
@@ -17,7 +23,7 @@ namespace {
 
 struct InfoOptions {
   std::string file;
-  bool json = false;
+  bool json = false, cpu = false;
 };
 
 struct Totals {
@@ -71,7 +77,43 @@ void print_table(const nn::StateDict& state, const char* format) {
              state.tensors.size(), totals.elements, totals.bytes);
 }
 
+void show_cpu(bool json) {
+  nlohmann::ordered_json isas = nlohmann::ordered_json::object(),
+                         precisions = nlohmann::ordered_json::object();
+  for (const nn::Isa isa : {nn::Isa::baseline, nn::Isa::avx2, nn::Isa::avx512}) {
+    isas[nn::to_string(isa)] = nn::is_supported(isa);
+  }
+  for (const nn::Precision precision : {nn::Precision::f32, nn::Precision::bf16, nn::Precision::int8}) {
+    precisions[nn::to_string(precision)] = nn::is_supported(precision);
+  }
+  const nn::TileKernels& tile = *nn::kernels().tile;
+  const std::string chosen = nn::to_string(nn::current_isa());
+  if (json) {
+    const nlohmann::ordered_json info = {{"isa", chosen},
+                                         {"tile_pixels", tile.pixels},
+                                         {"tile_channels", tile.channels},
+                                         {"threads", omp_get_max_threads()},
+                                         {"supported_isas", isas},
+                                         {"supported_precisions", precisions}};
+    fmt::print("{}\n", info.dump(2));
+    return;
+  }
+  fmt::print("instruction set {}, register tile of {} pixels x {} channels, {} threads\n", chosen,
+             tile.pixels, tile.channels, omp_get_max_threads());
+  for (const auto& [title, table] :
+       {std::pair("instruction sets", isas), std::pair("precisions", precisions)}) {
+    fmt::print("{}:", title);
+    for (const auto& [name, supported] : table.items()) fmt::print(" {} {}", name, supported ? "yes" : "no");
+    fmt::print("\n");
+  }
+}
+
 void show_info(const InfoOptions& options) {
+  if (options.cpu == !options.file.empty()) throw UsageError("info: expected either a file or --cpu");
+  if (options.cpu) {
+    show_cpu(options.json);
+    return;
+  }
   const weights_tools::CheckpointFormat format = weights_tools::checkpoint_format(options.file);
   const nn::StateDict state = weights_tools::load_weights(options.file);
   if (options.json) {
@@ -85,14 +127,18 @@ void show_info(const InfoOptions& options) {
 
 void add_info_command(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = app.add_subcommand("info", "List the tensors of a checkpoint");
-  command->add_option("file", options->file, "checkpoint: .safetensors or .pth (zip or legacy format)")
-      ->required();
+  CLI::App* command =
+      app.add_subcommand("info", "List the tensors of a checkpoint, or what the processor can do");
+  command->add_option("file", options->file, "checkpoint: .safetensors or .pth (zip or legacy format)");
+  command->add_flag("--cpu", options->cpu,
+                    "instead: the instruction set in use and what else this machine can do");
   command->add_flag("--json", options->json, "print JSON");
   command->footer(
       "Examples:\n"
       "  penumbra info maskrcnn.pth\n"
-      "  penumbra info maskrcnn.safetensors --json\n");
+      "  penumbra info maskrcnn.safetensors --json\n"
+      "  penumbra info --cpu\n");
+  add_isa_option(command);
   command->callback([options] { show_info(*options); });
 }
 

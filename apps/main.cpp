@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   penumbra::apps::add_eval_coco_command(app);
   penumbra::apps::add_convert_command(app);
   penumbra::apps::add_info_command(app);
+  penumbra::apps::add_calibrate_command(app);
   penumbra::apps::add_bench_command(app);
 
   try {

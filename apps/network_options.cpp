@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <string>
+
 namespace penumbra::apps {
 
 void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
@@ -37,6 +39,14 @@ void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
           fmt::format("most instances an image [Mask R-CNN {}, YOLOv5 {}]", mask_rcnn.box_head.max_detections,
                       yolov5.max_detections))
       ->check(CLI::Range(1, 1000));
+  command
+      ->add_option_function<std::string>(
+          "--precision",
+          [&](const std::string& name) {
+            mask_rcnn.precision.precision = yolov5.precision.precision = nn::precision_from_name(name);
+          },
+          "numbers that are multiplied: f32, bf16 or int8 (for weights that `calibrate` has seen) [f32]")
+      ->check(CLI::IsMember({"f32", "bf16", "int8"}));
   command->add_flag("!--no-attention", mask_rcnn.attention,
                     "leave the weights' attention out: the baseline network");
 }

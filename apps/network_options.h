@@ -7,9 +7,9 @@
 
 namespace penumbra::apps {
 
-// Adds --min-size, --max-size, --score-threshold, --max-detections and --no-attention. Where Mask R-CNN and
-// YOLOv5 both have a setting, the option sets it for both; each has its own default. `network` must live
-// until the command line is parsed.
+// Adds --min-size, --max-size, --score-threshold, --max-detections, --precision and --no-attention. Where
+// Mask R-CNN and YOLOv5 both have a setting, the option sets it for both; each has its own default. `network`
+// must live until the command line is parsed.
 void add_network_options(CLI::App* command, nn::NetworkConfig& network);
 
 }  // namespace penumbra::apps

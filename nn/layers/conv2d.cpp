@@ -12,24 +12,6 @@ namespace {
 
 int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
-// The input's values, borders and all, in the numbers that the layer multiplies; nothing for f32.
-ArenaBuffer convert(const FeatureMap& input, const NumberFormat& format, Arena& arena) {
-  if (format.precision == Precision::f32) return {};
-  const int bytes = element_size(format.precision);
-  ArenaBuffer converted = arena.allocate(static_cast<std::size_t>(input.image_stride()) *
-                                         static_cast<std::size_t>(input.batch().capacity) *
-                                         static_cast<std::size_t>(bytes) / sizeof(float));
-  constexpr std::ptrdiff_t kStep = 16 * 1024;  // values a task
-  const std::ptrdiff_t count = input.images() * input.image_stride();
-  auto* out = reinterpret_cast<std::byte*>(converted.data());
-#pragma omp parallel for
-  for (std::ptrdiff_t i = 0; i < count; i += kStep) {
-    low_precision_kernels(format.precision)
-        .convert(input.values() + i, std::min(kStep, count - i), format.input, out + i * bytes);
-  }
-  return converted;
-}
-
 }  // namespace
 
 Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptions options, int input_block)
@@ -58,9 +40,10 @@ Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptio
   }
   const bool three_by_three =
       kernel_height_ == 3 && kernel_width_ == 3 && options.stride == 1 && options.dilation == 1;
-  if (options.winograd && options.format.precision == Precision::f32 && three_by_three && groups == 1 &&
-      winograd_pays(input_channels_, outputs_)) {
-    winograd_ = Winograd(weight, bias);
+  if (options.winograd && three_by_three && groups == 1 && winograd_pays(input_channels_, outputs_)) {
+    // 8 bits would be too few for the sums that Winograd multiplies; bf16 gives up what bf16 layers keep.
+    const bool rough = options.format.precision == Precision::int8;
+    winograd_ = Winograd(weight, bias, rough ? Precision::bf16 : Precision::f32);
     return;
   }
   pack_weights(weight, bias);
@@ -129,6 +112,7 @@ FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_
                      fmt::format("{} x {} with padding {}", input.height(), input.width(), options_.padding));
   }
 
+  observe(input, options_.format);
   FeatureMap output(arena, input.batch(), outputs_, out.height, out.width, output_border);
   if (!winograd_.empty()) {
     winograd_(input, options_.padding, options_.activation, residual, output, arena);
@@ -153,7 +137,8 @@ void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, Feature
       }
     }
   }
-  const ArenaBuffer converted = convert(input, groups_.front().format(), arena);
+  const bool as_it_is = groups_.front().format().precision == Precision::f32;
+  const ArenaBuffer converted = as_it_is ? ArenaBuffer() : convert(input, groups_.front().format(), arena);
   DirectConvolution convolution;
   convolution.groups = groups_;
   convolution.taps = taps.data();
@@ -162,8 +147,7 @@ void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, Feature
   convolution.activation = options_.activation;
   convolution.slope = options_.slope;
   convolution.input = &input;
-  convolution.values =
-      reinterpret_cast<const std::byte*>(converted.data() != nullptr ? converted.data() : input.values());
+  convolution.values = reinterpret_cast<const std::byte*>(as_it_is ? input.values() : converted.data());
   convolution.residual = residual;
   convolution.output = &output;
   const bool one_pixel = output.height() == 1 && output.width() == 1 && output.border() == 0;
@@ -193,13 +177,14 @@ void Conv2d::over_rows(const FeatureMap& input, const FeatureMap* residual, Feat
 }
 
 Conv2d linear(const Tensor& weight, const std::vector<float>& bias, int channels, int height, int width,
-              Activation activation) {
+              Activation activation, const NumberFormat& format) {
   const std::int64_t inputs = static_cast<std::int64_t>(channels) * height * width;
   if (weight.shape.size() != 2 || weight.extent(1) != inputs) {
     throw InputError("linear", fmt::format("a weight [O, {}]", inputs), to_string(weight.shape));
   }
   Conv2dOptions options;
   options.activation = activation;
+  options.format = format;
   return {Tensor({weight.extent(0), channels, height, width}, weight.values), bias, options};
 }
 

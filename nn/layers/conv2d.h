@@ -38,7 +38,7 @@ struct Conv2dOptions {
   Activation activation = Activation::none;
   float slope = kDefaultSlope;  // of leaky_relu
   bool winograd = true;         // false: never, as benchmarks and tests ask
-  NumberFormat format;          // in which the direct method multiplies
+  NumberFormat format;          // of the products; see winograd.h for what it makes of int8
 };
 
 class Conv2d {
@@ -85,6 +85,6 @@ class Conv2d {
 // A fully connected layer y = W x + b over maps [N, C, H, W] is the convolution whose kernel is the whole
 // map: `weight` [O, C H W] in torch.flatten's order (channel, row, column). Its output is [N, O, 1, 1].
 Conv2d linear(const Tensor& weight, const std::vector<float>& bias, int channels, int height, int width,
-              Activation activation);
+              Activation activation, const NumberFormat& format = {});
 
 }  // namespace penumbra::nn

@@ -65,7 +65,7 @@ ConvTranspose2d::ConvTranspose2d(const Tensor& weight, const std::vector<float>&
             const Offset& position = positions[static_cast<std::size_t>(tap % count)];
             return channel < input_channels_ ? weight.at(channel, o, position.y, position.x) : 0.0F;
           },
-          bias);
+          bias, options.format);
       phases_.push_back(std::move(phase));
     }
   }
@@ -101,15 +101,20 @@ FeatureMap ConvTranspose2d::operator()(const FeatureMap& input, Arena& arena, in
   FeatureMap output(arena, input.batch(), outputs_, height, width, output_border);
   const ArenaBuffer tap_memory = arena.allocate(most_taps * 2);
   auto* taps = reinterpret_cast<std::ptrdiff_t*>(tap_memory.data());
-  for (const Phase& phase : phases_) run_phase(phase, input, taps, output);
+  observe(input, options_.format);
+  const bool as_it_is = options_.format.precision == Precision::f32;
+  const ArenaBuffer converted = as_it_is ? ArenaBuffer() : convert(input, options_.format, arena);
+  const auto* values = reinterpret_cast<const std::byte*>(as_it_is ? input.values() : converted.data());
+  for (const Phase& phase : phases_) run_phase(phase, input, values, taps, output);
   if (options_.activation != Activation::none && options_.activation != Activation::relu) {
     activate(output, options_.activation, options_.slope);
   }
   return output;
 }
 
-void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, std::ptrdiff_t* taps,
-                                FeatureMap& output) const {
+void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, const std::byte* values,
+                                std::ptrdiff_t* taps, FeatureMap& output) const {
+  const int bytes = element_size(options_.format.precision);
   const int stride = options_.stride;
   const int rows = (output.height() - phase.row + stride - 1) / stride;
   const int columns = (output.width() - phase.column + stride - 1) / stride;
@@ -136,7 +141,7 @@ void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, std
             options_.activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
         for (int s = 0; s < segments; ++s) {
           const int x = columns * s / segments, end = columns * (s + 1) / segments;
-          a.input = input.pixel(n, 0, y, x);
+          a.input = values + bytes * input.offset(n, 0, y, x);
           a.output =
               output.pixel(n, tile.block, y * stride + phase.row, x * stride + phase.column) + tile.lane;
           phase.weights.kernel(tile, end - x)(a);

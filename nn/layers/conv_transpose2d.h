@@ -32,6 +32,7 @@ struct ConvTranspose2dOptions {
   int dilation = 1;
   Activation activation = Activation::none;
   float slope = kDefaultSlope;  // of leaky_relu
+  NumberFormat format;          // of the products
 };
 
 class ConvTranspose2d {
@@ -54,7 +55,9 @@ class ConvTranspose2d {
     PackedWeights weights;        // taps: positions within input blocks
   };
 
-  void run_phase(const Phase& phase, const FeatureMap& input, std::ptrdiff_t* taps, FeatureMap& output) const;
+  // `values` are the input's in the layer's precision.
+  void run_phase(const Phase& phase, const FeatureMap& input, const std::byte* values, std::ptrdiff_t* taps,
+                 FeatureMap& output) const;
 
   ConvTranspose2dOptions options_;
   int input_channels_ = 0, outputs_ = 0, kernel_height_ = 0, kernel_width_ = 0;

@@ -13,17 +13,10 @@
 #include <memory>
 #include <vector>
 
+#include "nn/layers/number_format.h"
 #include "nn/simd/kernel_table.h"
-#include "nn/simd/low_precision.h"
-#include "nn/tensor/feature_map.h"
 
 namespace penumbra::nn {
-
-// The numbers that a layer multiplies; `input` is for int8 alone.
-struct NumberFormat {
-  Precision precision = Precision::f32;
-  Quantisation input;
-};
 
 // One tile's part of the packed weights and where its channels lie in a channel-blocked output.
 struct WeightTile {

@@ -71,6 +71,8 @@ struct Winograd::Work {
   float* inputs;
   float* products;
   std::ptrdiff_t input_stride, product_stride;  // from a position to the next
+  float* converted;                             // by threads: the inputs of a position in bf16, where the
+                                                // products are
 
   // Calls run(tile in block, image, row, column, tiles) for the stretches of the block's tiles that lie side
   // by side.
@@ -85,7 +87,7 @@ struct Winograd::Work {
   }
 };
 
-Winograd::Winograd(const Tensor& weight, const std::vector<float>& bias) {
+Winograd::Winograd(const Tensor& weight, const std::vector<float>& bias, Precision precision) {
   const int outputs = static_cast<int>(weight.extent(0)), channels = static_cast<int>(weight.extent(1));
   input_blocks_ = ceil_div(channels, kBlock);
   output_blocks_ = ceil_div(outputs, kBlock);
@@ -105,7 +107,7 @@ Winograd::Winograd(const Tensor& weight, const std::vector<float>& bias) {
           const int channel = tap * kBlock + c;
           return channel < channels ? values[static_cast<std::ptrdiff_t>(o) * channels + channel] : 0.0F;
         },
-        std::vector<float>{});
+        std::vector<float>{}, NumberFormat{precision, {}, nullptr});
   }
 }
 
@@ -133,13 +135,18 @@ void Winograd::operator()(const FeatureMap& input, int padding, Activation activ
   const int own = tiles_in(kOwnBlockFloats);
   const bool alone =
       std::max(input_blocks_, output_blocks_) * kBlock <= kMostOwnChannels && most_tiles >= 2 * threads * own;
-  work.block_tiles = std::min(alone ? own : tiles_in(kSharedBlockFloats), ceil_div(most_tiles, step) * step);
+  work.block_tiles =
+      std::min(alone ? own : tiles_in(kSharedBlockFloats), std::max(ceil_div(most_tiles, step), 1) * step);
 
   // The 16 floats between positions keep these from sharing one set of the cache.
   work.input_stride = static_cast<std::ptrdiff_t>(input_blocks_) * work.block_tiles * kBlock + kBlock;
   work.product_stride = static_cast<std::ptrdiff_t>(output_blocks_) * work.block_tiles * kBlock + kBlock;
   const auto input_floats = static_cast<std::size_t>(work.input_stride) * kWinogradPositions;
   const auto floats = input_floats + static_cast<std::size_t>(work.product_stride) * kWinogradPositions;
+  const bool low_precision = weights_.front().format().precision != Precision::f32;
+  const ArenaBuffer converted = arena.allocate(
+      low_precision ? static_cast<std::size_t>(work.input_stride) * static_cast<std::size_t>(threads) : 0);
+  work.converted = converted.data();
   const ArenaBuffer scratch = arena.allocate(floats * static_cast<std::size_t>(alone ? threads : 1));
   ArenaVector<std::ptrdiff_t> taps(arena, static_cast<std::size_t>(input_blocks_));
   for (int b = 0; b < input_blocks_; ++b) {
@@ -218,6 +225,14 @@ void Winograd::transform_inputs(const Work& work, int first, int count, int chan
 void Winograd::multiply(const Work& work, int count, int position) const {
   const PackedWeights& weights = weights_[static_cast<std::size_t>(position)];
   const int step = weights.tile_pixels();
+  const float* inputs = work.inputs + position * work.input_stride;
+  const std::byte* values = reinterpret_cast<const std::byte*>(inputs);
+  const Precision precision = weights.format().precision;
+  if (precision != Precision::f32) {
+    float* own = work.converted + omp_get_thread_num() * work.input_stride;
+    low_precision_kernels(precision).convert(inputs, work.input_stride, {}, own);
+    values = reinterpret_cast<const std::byte*>(own);
+  }
   TileArguments a;
   a.taps = work.taps;
   a.input_pixel_stride = a.output_pixel_stride = kBlock;
@@ -226,11 +241,10 @@ void Winograd::multiply(const Work& work, int count, int position) const {
   for (int t = 0; t < weights.tiles(); ++t) {
     const WeightTile tile = weights.tile(t);
     weights.prepare(tile, 0, weights.taps(), a);
-    const float* in = work.inputs + position * work.input_stride;
     float* out =
         work.products + position * work.product_stride + tile.block * a.output_block_stride + tile.lane;
     for (int i = 0; i < count; i += step) {
-      a.input = in + static_cast<std::ptrdiff_t>(i) * kBlock;
+      a.input = values + static_cast<std::ptrdiff_t>(i) * kBlock * element_size(precision);
       a.output = out + static_cast<std::ptrdiff_t>(i) * kBlock;
       weights.kernel(tile, std::min(step, count - i))(a);
     }

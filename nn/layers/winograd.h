@@ -31,8 +31,9 @@ namespace penumbra::nn {
 class Winograd {
  public:
   Winograd() = default;
-  // `weight` is [O, C, 3, 3], `bias` one value an output channel or empty.
-  Winograd(const Tensor& weight, const std::vector<float>& bias);
+  // `weight` is [O, C, 3, 3], `bias` one value an output channel or empty. `precision`, of
+  // the products, is f32 or bf16.
+  Winograd(const Tensor& weight, const std::vector<float>& bias, Precision precision = Precision::f32);
 
   bool empty() const { return weights_.empty(); }
 

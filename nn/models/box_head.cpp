@@ -31,8 +31,12 @@ BoxHead::BoxHead(WeightReader& weights, const std::string& prefix, int channels,
   const int size = config.roi_align.size;
   const auto layer = [&](const std::string& name, int outputs, int inputs, int extent,
                          Activation activation) {
+    // Logits and deltas stay f32.
+    const NumberFormat format =
+        activation == Activation::relu ? weights.format(prefix + name) : NumberFormat();
     return linear(weights.tensor(prefix + name + ".weight", {outputs, inputs * extent * extent}),
-                  weights.vector(prefix + name + ".bias", outputs), inputs, extent, extent, activation);
+                  weights.vector(prefix + name + ".bias", outputs), inputs, extent, extent, activation,
+                  format);
   };
   const Shape first = weights.shape(prefix + "box_head.fc6.weight");
   const bool plausible = !first.empty() && first.front() > 0 && first.front() <= kMostHidden;

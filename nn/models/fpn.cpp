@@ -35,10 +35,13 @@ FeaturePyramid::FeaturePyramid(WeightReader& weights, const std::string& prefix,
     const std::string inner = fmt::format("{}inner_blocks.{}.0.", prefix, k);
     const std::string outer = fmt::format("{}layer_blocks.{}.0.", prefix, k);
     Level& level = levels_[k];
+    Conv2dOptions pointwise;
+    pointwise.format = weights.format(fmt::format("{}inner_blocks.{}", prefix, k));
     level.lateral = Conv2d(weights.tensor(inner + "weight", {channels_, stage_channels[k], 1, 1}),
-                           weights.vector(inner + "bias", channels_), {});
+                           weights.vector(inner + "bias", channels_), pointwise);
     Conv2dOptions options;
     options.padding = 1;
+    options.format = weights.format(fmt::format("{}layer_blocks.{}", prefix, k));
     level.output = Conv2d(weights.tensor(outer + "weight", {channels_, channels_, 3, 3}),
                           weights.vector(outer + "bias", channels_), options);
     if (!attention) continue;

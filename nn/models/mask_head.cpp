@@ -22,6 +22,7 @@ MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int channel
   options.activation = Activation::relu;
   for (int i = 0; i < config.layers; ++i) {
     const std::string name = fmt::format("{}mask_head.{}.0.", prefix, i);
+    options.format = weights.format(fmt::format("{}mask_head.{}", prefix, i));
     convolutions_.emplace_back(weights.tensor(name + "weight", {channels, channels, 3, 3}),
                                weights.vector(name + "bias", channels), options);
   }
@@ -29,6 +30,7 @@ MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int channel
   ConvTranspose2dOptions doubling;
   doubling.stride = 2;
   doubling.activation = Activation::relu;
+  doubling.format = weights.format(predictor + "conv5_mask");
   upsample_ = ConvTranspose2d(weights.tensor(predictor + "conv5_mask.weight", {channels, channels, 2, 2}),
                               weights.vector(predictor + "conv5_mask.bias", channels), doubling);
   logit_weight_ = weights.tensor(predictor + "mask_fcn_logits.weight", {classes, channels, 1, 1});

@@ -26,6 +26,7 @@
 #include "nn/models/box_head.h"
 #include "nn/models/fpn.h"
 #include "nn/models/instance_segmenter.h"
+#include "nn/models/layer_precision.h"
 #include "nn/models/mask_head.h"
 #include "nn/models/resnet.h"
 #include "nn/models/rpn.h"
@@ -39,6 +40,7 @@ struct MaskRcnnConfig {
   MaskHeadConfig mask_head;
   float batch_norm_eps = 1e-5F;  // 0 for torchvision's released COCO_V1 weights
   float mask_threshold = 0.5F;
+  LayerPrecision precision;
   bool attention = true;  // false: leave out attention weights, the baseline network
   // Sizes that the user asks for, instead of the weights' own; pixels.
   std::optional<int> min_size, max_size;

@@ -49,6 +49,7 @@ Conv2d folded_convolution(WeightReader& weights, const std::string& convolution,
   options.stride = shape.stride;
   options.padding = shape.kernel / 2;
   options.activation = activation;
+  if (input_block == kBlock) options.format = weights.format(convolution);  // the stem stays f32
   return {folded.weight, folded.bias, options, input_block};
 }
 

@@ -45,6 +45,7 @@ RegionProposalNetwork::RegionProposalNetwork(WeightReader& weights, const std::s
   Conv2dOptions options;
   options.padding = 1;
   options.activation = Activation::relu;
+  options.format = weights.format(prefix + "conv");
   conv_ = Conv2d(weights.tensor(prefix + "conv.0.0.weight", {channels, channels, 3, 3}),
                  weights.vector(prefix + "conv.0.0.bias", channels), options);
   std::vector<float> bias = weights.vector(prefix + "cls_logits.bias", anchors);

@@ -8,13 +8,15 @@
 
 #include "nn/io/state_dict.h"
 #include "nn/layers/batch_norm.h"
+#include "nn/models/layer_precision.h"
 #include "nn/tensor/tensor.h"
 
 namespace penumbra::nn {
 
 class WeightReader {
  public:
-  explicit WeightReader(const StateDict& state_dict) : state_dict_(state_dict) {}
+  explicit WeightReader(const StateDict& state_dict, LayerPrecision precision = {})
+      : state_dict_(state_dict), precision_(precision) {}
 
   const std::string& source() const { return state_dict_.source; }  // the file, for messages
   bool has(const std::string& name) const { return state_dict_.tensors.contains(name); }
@@ -29,6 +31,10 @@ class WeightReader {
   // `name`.weight, .bias, .running_mean and .running_var.
   BatchNorm batch_norm(const std::string& name, std::int64_t channels, float eps);
 
+  // The numbers in which the layer of this name multiplies: see layer_precision.h. Throws InputError where
+  // int8 is asked for and the weights were not calibrated.
+  NumberFormat format(const std::string& layer) const { return precision_.format(state_dict_, layer); }
+
   // Marks every tensor whose name starts with `prefix` as read: tensors that a network may carry but does not
   // use.
   void ignore(const std::string& prefix);
@@ -39,6 +45,7 @@ class WeightReader {
 
  private:
   const StateDict& state_dict_;
+  LayerPrecision precision_;
   std::set<std::string> used_;
   std::vector<std::string> problems_;
 };

@@ -12,7 +12,7 @@
 namespace penumbra::nn {
 
 Yolov5::Yolov5(const StateDict& state_dict, Yolov5Config config) : config_(config) {
-  WeightReader weights(state_dict);
+  WeightReader weights(state_dict, config_.precision);
   shape_ = yolov5_shape(weights);
   features_ = Yolov5Features(weights, shape_);
   head_ = Yolov5Head(weights, shape_);

@@ -14,6 +14,7 @@
 
 #include "nn/io/letterbox.h"
 #include "nn/models/instance_segmenter.h"
+#include "nn/models/layer_precision.h"
 #include "nn/models/yolov5_features.h"
 #include "nn/models/yolov5_head.h"
 
@@ -27,6 +28,7 @@ struct Yolov5Config {
   int max_candidates = 30000;  // the best ones take part in NMS
   int max_detections = 100;
   float mask_threshold = 0.5F;
+  LayerPrecision precision;
 };
 
 class Yolov5 : public InstanceSegmenter {

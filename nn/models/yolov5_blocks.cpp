@@ -24,6 +24,7 @@ Conv2d yolov5_conv(WeightReader& weights, const std::string& name, const Yolov5C
   options.stride = shape.stride;
   options.padding = (shape.kernel - 1) / 2;  // the 6 x 6 stem's, too
   options.activation = Activation::silu;
+  if (input_block == kBlock) options.format = weights.format(name);  // the stem stays f32
   Tensor weight =
       weights.tensor(name + ".conv.weight", {shape.outputs, shape.inputs, shape.kernel, shape.kernel});
   if (weights.has(name + ".conv.bias")) {

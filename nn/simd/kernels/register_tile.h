@@ -74,8 +74,8 @@ static void tile(const TileArguments& a) {
   }
 
   switch (a.input_pixel_stride) {
-    case 8:  // the stem: stride 2 over an image of 4-channel pixels
-      accumulate<Number, P, V, 8>(a, sum);
+    case 8:  // the stem: stride 2 over an image of 4-channel pixels; always f32
+      accumulate<Number, P, V, Number::kGroup == 1 ? 8 : 0>(a, sum);
       break;
     case 16:  // stride 1
       accumulate<Number, P, V, 16>(a, sum);

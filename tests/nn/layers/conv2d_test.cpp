@@ -62,6 +62,49 @@ TEST_P(Conv2dTest, AgreesWithTheReferenceOnRandomShapes) {
   }
 }
 
+TEST_P(Conv2dTest, WinogradAgreesWithTheReferenceOnRandomShapes) {
+  std::mt19937 random(11);
+  for (std::uint32_t trial = 0; trial < 40; ++trial) {
+    Conv2dOptions options;
+    options.padding = pick(random, 0, 2);
+    options.activation = static_cast<Activation>(pick(random, 0, 6));
+    const int channels = pick(random, 32, 100), outputs = pick(random, 32, 100);
+    const Tensor x = random_tensor(
+        {pick(random, 0, 3), channels, pick(random, 3, 14), pick(random, 3, trial % 8 == 0 ? 90 : 20)},
+        trial);
+    const Tensor weight = random_tensor({outputs, channels, 3, 3}, 1000 + trial);
+    const std::vector<float> bias =
+        pick(random, 0, 3) == 0 ? std::vector<float>{} : random_vector(outputs, trial);
+    const Tensor residual = random_tensor(reference::conv2d(x, weight, bias, options).shape, 2000 + trial);
+    const bool with_residual = pick(random, 0, 1) == 1;
+    Arena arena;
+    const FeatureMap residual_map = to_feature_map(residual, arena, pick(random, 0, 1));
+    const Conv2d conv(weight, bias, options);
+    ASSERT_STREQ(conv.algorithm(), "winograd");
+    const FeatureMap y = conv(to_feature_map(x, arena, pick(random, 0, 3)), arena, pick(random, 0, 2),
+                              with_residual ? &residual_map : nullptr);
+    expect_close(to_tensor(y),
+                 reference::conv2d(x, weight, bias, options, with_residual ? &residual : nullptr));
+  }
+}
+
+// Maps so large that every thread has blocks of its own, and so deep that all threads share them.
+TEST_P(Conv2dTest, WinogradAgreesWithTheDirectSumInEveryDivisionOfLabour) {
+  for (const auto& [channels, size] : {std::pair(32, 150), std::pair(144, 40)}) {
+    const Tensor x = random_tensor({1, channels, size, size}, 1);
+    const Tensor weight = random_tensor({channels, channels, 3, 3}, 2);
+    Conv2dOptions options;
+    options.padding = 1;
+    Arena arena;
+    const FeatureMap map = to_feature_map(x, arena, 1);
+    const Tensor winograd = to_tensor(Conv2d(weight, {}, options)(map, arena));
+    options.winograd = false;
+    const Conv2d direct(weight, {}, options);
+    ASSERT_STREQ(direct.algorithm(), "direct");
+    expect_close(winograd, to_tensor(direct(map, arena)));
+  }
+}
+
 TEST_P(Conv2dTest, GroupsAgreeWithTheReferenceOnRandomShapes) {
   std::mt19937 random(10);
   for (std::uint32_t trial = 0; trial < 60; ++trial) {
