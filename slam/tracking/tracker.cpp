@@ -4,6 +4,7 @@
 
 #include "slam/features/measurement.h"
 #include "slam/map/projection.h"
+#include "slam/tracking/feature_refiner.h"
 #include "slam/tracking/local_map.h"
 #include "slam/tracking/recognition.h"
 
@@ -12,6 +13,7 @@ namespace penumbra::slam {
 TrackingReport Tracker::track(Frame& frame) {
   TrackingReport report;
   frame.points.assign(static_cast<std::size_t>(frame.features->size()), nullptr);
+  frame.aligned.assign(frame.points.size(), 0);
   if (state_ == TrackingState::initialising) {
     report.wants_keyframe = start(frame);
     report.state = state_;
@@ -59,7 +61,9 @@ bool Tracker::start(Frame& frame) {
 }
 
 // `frame` is located: the next one is compared with it.
-void Tracker::remember(const Frame& frame) {
+void Tracker::remember(Frame& frame) {
+  frame.patches = std::make_shared<const std::vector<Patch>>(
+      extract_patches(*frame.pyramid, frame.features->left.keypoints));
   last_ = frame;
   last_keyframe_ = nullptr;
   previous_T_cw_ = frame.T_cw;
@@ -176,7 +180,9 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
     if (!estimate.inlier[m]) continue;
     MapPoint* point = last_.points[static_cast<std::size_t>(matches[m].source)];
     frame.points[static_cast<std::size_t>(matches[m].feature)] = point;
-    if (point == nullptr) unmapped_.emplace_back(matches[m].feature, observations[m]);
+    if (point == nullptr) {
+      unmapped_.push_back({matches[m].feature, matches[m].source, observations[m].point});
+    }
   }
   return {true, estimate.inliers};
 }
@@ -197,8 +203,21 @@ Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
 Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   const auto scope = timer_.measure("local_map");
   const LocalMap local = collect_local_map(frame, reference_, settings_.local_keyframes);
-  const std::vector<MapPoint*>& points = local.points;
   reference_ = local.reference;
+  match_local_points(frame, local.points);
+  const std::vector<PoseObservation> observations = refine_observations(frame);
+  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
+  const int inliers = keep_agreeing(frame, observations, estimate);
+  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
+  frame.T_cw = estimate.T_cw;
+  for (MapPoint* point : frame.points) {
+    if (point != nullptr) ++point->found;
+  }
+  return {true, inliers};
+}
+
+// Looks for those of `points` that the frame does not show yet, around where they project.
+void Tracker::match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const {
   std::vector<const MapPoint*> matched;
   std::vector<char> taken(frame.points.size(), 0);
   for (std::size_t i = 0; i < frame.points.size(); ++i) {
@@ -225,33 +244,62 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   for (const Match& match : match_projections(projections, *frame.features, taken, map_.scales(), search)) {
     frame.points[static_cast<std::size_t>(match.feature)] = points[static_cast<std::size_t>(match.source)];
   }
+}
 
-  std::vector<int> features;
+// Moves the matched features to where their points' patches are found. What they measure then: first those of
+// map points, in the order of the features, then those that are known from the last frame only. Far points
+// hold the rotation, also those that are in no map yet.
+std::vector<PoseObservation> Tracker::refine_observations(Frame& frame) const {
+  const FeatureRefiner refiner(*frame.pyramid, map_.scales());
+  const auto refine = [&](int feature, const Eigen::Vector3d& point, const Patch& patch, double patch_depth) {
+    const Eigen::Vector3d p = frame.T_cw * point;
+    if (!(p.z() > 0.0)) return false;
+    return refiner.refine(*frame.features, feature, patch, patch_depth, camera_.project(p), p.z());
+  };
   std::vector<PoseObservation> observations;
+  const auto observe = [&](int feature, const Eigen::Vector3d& point, bool aligned) {
+    observations.push_back({point, measurement_of(*frame.features, feature, map_.scales(), aligned)});
+  };
   for (int i = 0; i < frame.features->size(); ++i) {
-    const MapPoint* point = frame.points[static_cast<std::size_t>(i)];
+    const std::size_t at = static_cast<std::size_t>(i);
+    const MapPoint* point = frame.points[at];
     if (point == nullptr) continue;
-    features.push_back(i);
-    observations.push_back({point->position, measurement_of(*frame.features, i, map_.scales())});
+    frame.aligned[at] = refine(i, point->position, point->patch, point->patch_depth);
+    observe(i, point->position, frame.aligned[at]);
   }
-  // Far points hold the rotation, also those that are in no map yet.
-  for (const auto& [feature, observation] : unmapped_) {
-    if (frame.points[static_cast<std::size_t>(feature)] == nullptr) observations.push_back(observation);
+  for (const Unmapped& u : unmapped_) {
+    if (frame.points[static_cast<std::size_t>(u.feature)] != nullptr) continue;
+    const std::size_t last = static_cast<std::size_t>(u.last_feature);
+    observe(u.feature, u.point,
+            refine(u.feature, u.point, (*last_.patches)[last], last_.features->depth[last]));
   }
-  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
-  const int inliers = static_cast<int>(std::count(
-      estimate.inlier.begin(), estimate.inlier.begin() + static_cast<std::ptrdiff_t>(features.size()), 1));
-  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
-  frame.T_cw = estimate.T_cw;
-  for (std::size_t k = 0; k < features.size(); ++k) {
-    MapPoint*& point = frame.points[static_cast<std::size_t>(features[k])];
-    if (estimate.inlier[k]) {
-      ++point->found;
+  return observations;
+}
+
+// Lets go of the points that do not agree with the pose; returns how many stay. An aligned feature that
+// misses its narrow gate may still show the point as well as a corner does.
+int Tracker::keep_agreeing(Frame& frame, std::span<const PoseObservation> observations,
+                           const PoseEstimate& estimate) const {
+  int kept = 0;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    if (frame.points[i] == nullptr) continue;
+    bool agrees = estimate.inlier[k];
+    if (!agrees && frame.aligned[i]) {
+      frame.aligned[i] = 0;
+      const PixelMeasurement z = measurement_of(*frame.features, static_cast<int>(i), map_.scales());
+      const Eigen::Vector3d p = estimate.T_cw * observations[k].point;
+      agrees =
+          p.z() > 0.0 && reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
+    }
+    ++k;
+    if (agrees) {
+      ++kept;
     } else {
-      point = nullptr;
+      frame.points[i] = nullptr;
     }
   }
-  return {true, inliers};
+  return kept;
 }
 
 bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {

@@ -76,12 +76,16 @@ class Tracker {
 
   bool shows_enough(const Frame& frame) const;
   bool start(Frame& frame);
-  void remember(const Frame& frame);
+  void remember(Frame& frame);
   void refresh_last_frame();
   Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
   Located locate_from_keyframes(Frame& frame);
   Located locate_in_local_map(Frame& frame);
+  void match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const;
+  std::vector<PoseObservation> refine_observations(Frame& frame) const;
+  int keep_agreeing(Frame& frame, std::span<const PoseObservation> observations,
+                    const PoseEstimate& estimate) const;
   std::vector<Projection> project_last_frame(const SE3& T_cw) const;
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
@@ -98,7 +102,11 @@ class Tracker {
   SE3 previous_T_cw_;           // of the frame before this one, located or predicted
   double previous_time_ = 0.0;  // seconds
   // Pairs with the last frame that agree with its pose but show no map point (far ones, mostly).
-  std::vector<std::pair<int, PoseObservation>> unmapped_;
+  struct Unmapped {
+    int feature, last_feature;
+    Eigen::Vector3d point;  // world
+  };
+  std::vector<Unmapped> unmapped_;
   MotionModel motion_;
   KeyFrame* reference_ = nullptr;  // the keyframe that shares the most points with the last frame
   KeyFrame* newest_keyframe_ = nullptr;
