@@ -79,6 +79,8 @@ class Tracker {
   void remember(Frame& frame);
   void refresh_last_frame();
   Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
+  std::optional<Eigen::Vector3d> last_point(int i) const;
+  std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
   Located locate_from_keyframes(Frame& frame);
   Located locate_in_local_map(Frame& frame);
