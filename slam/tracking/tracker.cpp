@@ -37,7 +37,7 @@ TrackingReport Tracker::track(Frame& frame) {
   }
   finish(frame, located.success);
   report.state = state_;
-  report.wants_keyframe = located.success && wants_keyframe(frame, located.inliers);
+  report.wants_keyframe = sharp_enough(frame, located.success && wants_keyframe(frame, located.inliers));
   if (lost_with_view_ >= settings_.lost_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
@@ -343,6 +343,15 @@ bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
     reference_points += point != nullptr && point->observations.size() >= fewest_views;
   }
   return inliers < settings_.keyframe_share * reference_points;
+}
+
+// Whether the frame becomes the keyframe that is wanted, if one is.
+bool Tracker::sharp_enough(const Frame& frame, bool wanted) {
+  const bool sharp = frame.pyramid->levels() < 2 || sharpness_.is_sharp(frame.pyramid->level(1));
+  if (!wanted) return false;
+  const bool takes = sharp || ++blurred_candidates_ > settings_.longest_sharpness_wait;
+  if (takes) blurred_candidates_ = 0;
+  return takes;
 }
 
 void Tracker::finish(Frame& frame, bool located) {
