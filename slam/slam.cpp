@@ -92,6 +92,7 @@ FrameResult Slam::process(const StereoImages& images) {
   frame.index = images.index;
   frame.timestamp = images.timestamp;
   frame.features = features;
+  frame.pyramid = &left_orb_.pyramid();
   std::optional<MapWork> work;
   bool is_first = false;
   {
@@ -150,7 +151,9 @@ void Slam::mark_movable(const StereoImages& images, FrameFeatures& features) {
 MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
   MapWork work;
   work.tracked = frame.points;
+  work.aligned = frame.aligned;
   work.keyframe = map_.new_keyframe(frame.index, frame.timestamp, frame.T_cw, frame.features);
+  work.keyframe->patches = frame.patches;
   if (starts_submap) {
     work.keyframe->submap = map_.begin_submap();
   } else if (frame.reference != nullptr) {

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "slam/features/frame_features.h"
+#include "slam/features/measurement.h"
+#include "slam/features/patch.h"
 #include "slam/geometry/se3.h"
 #include "slam/map/map_point.h"
 
@@ -24,7 +26,11 @@ struct KeyFrame {
   double timestamp = 0.0;  // seconds
   SE3 T_cw;
   std::shared_ptr<const FrameFeatures> features;
-  std::vector<MapPoint*> points;      // per feature; nullptr where it shows no point
+  std::vector<MapPoint*> points;  // per feature; nullptr where it shows no point
+  // Per feature: 1 where its pixel is that of the point's patch, 0 where only the descriptors are alike.
+  std::vector<char> aligned;
+  // Of all features; given away once the mapper has handed them to the points.
+  std::shared_ptr<const std::vector<Patch>> patches;
   std::vector<Covisible> covisibles;  // most shared points first
 
   // Keyframes of one sub-map are tied to each other by points. Where the way was lost and nothing was
@@ -38,6 +44,13 @@ struct KeyFrame {
   KeyFrame* stand_in = nullptr;
   SE3 T_c_stand_in;
 };
+
+// What `feature` of a keyframe measures of the point that it shows.
+inline PixelMeasurement measurement_of(const KeyFrame& keyframe, int feature,
+                                       const std::vector<double>& scales) {
+  return measurement_of(*keyframe.features, feature, scales,
+                        keyframe.aligned[static_cast<std::size_t>(feature)] != 0);
+}
 
 // Pose of a keyframe, erased or not, from its stand-ins' present poses.
 inline SE3 current_pose(const KeyFrame& keyframe) {

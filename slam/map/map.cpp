@@ -66,6 +66,7 @@ std::unique_ptr<KeyFrame> Map::new_keyframe(int frame_index, double timestamp, c
   keyframe->timestamp = timestamp;
   keyframe->T_cw = T_cw;
   keyframe->points.assign(static_cast<std::size_t>(features->size()), nullptr);
+  keyframe->aligned.assign(static_cast<std::size_t>(features->size()), 0);
   keyframe->features = std::move(features);
   return keyframe;
 }
@@ -85,15 +86,16 @@ MapPoint* Map::add_point(const Eigen::Vector3d& position, KeyFrame* keyframe, in
   point->colour = keyframe->features->colour[static_cast<std::size_t>(feature)];
   points_.push_back(std::move(point));
   MapPoint* added = points_.back().get();
-  add_observation(added, keyframe, feature);
+  add_observation(added, keyframe, feature, true);
   update_point(added);
   return added;
 }
 
-void Map::add_observation(MapPoint* point, KeyFrame* keyframe, int feature) {
+void Map::add_observation(MapPoint* point, KeyFrame* keyframe, int feature, bool aligned) {
   MapPoint*& slot = keyframe->points[static_cast<std::size_t>(feature)];
   if (slot != nullptr || observing_feature(*point, *keyframe) >= 0) return;
   slot = point;
+  keyframe->aligned[static_cast<std::size_t>(feature)] = aligned;
   point->observations.insert(lower_bound(*point, *keyframe), {keyframe, feature});
 }
 
@@ -148,6 +150,8 @@ void Map::erase_keyframe(KeyFrame* keyframe) {
   keyframe->T_c_stand_in = keyframe->T_cw * stand_in->T_cw.inverse();
   keyframe->covisibles = {};
   keyframe->points = {};
+  keyframe->aligned = {};
+  keyframe->patches.reset();
   keyframe->features.reset();
 }
 

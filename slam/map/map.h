@@ -44,11 +44,12 @@ class Map {
                          std::shared_ptr<const FrameFeatures> features) {
     return insert_keyframe(new_keyframe(frame_index, timestamp, T_cw, std::move(features)));
   }
-  // A new point that `feature` of `keyframe` shows.
+  // A new point that `feature` of `keyframe` shows: by definition where it shows it.
   MapPoint* add_point(const Eigen::Vector3d& position, KeyFrame* keyframe, int feature);
 
   // Nothing happens where the keyframe already sees the point or the feature already shows another one.
-  void add_observation(MapPoint* point, KeyFrame* keyframe, int feature);
+  // `aligned`: see KeyFrame.
+  void add_observation(MapPoint* point, KeyFrame* keyframe, int feature, bool aligned = false);
   // Erases the point, too, where fewer than two observations are left, unless the last has stereo depth.
   void remove_observation(MapPoint* point, KeyFrame* keyframe);
   void erase_point(MapPoint* point);

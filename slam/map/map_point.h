@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slam/features/feature.h"
+#include "slam/features/patch.h"
 
 namespace penumbra::slam {
 
@@ -29,6 +30,11 @@ struct MapPoint {
   int first_keyframe = 0;                              // id of the keyframe that made it
   int visible = 1, found = 1;                          // frames that should have seen it, and that did
   std::array<std::uint8_t, 3> colour{};                // blue, green, red
+
+  // How the point looked from the newest keyframe that its patch was aligned in, and its depth there
+  // (metres).
+  Patch patch;
+  double patch_depth = 0.0;
 
   bool erased = false;              // no longer part of the map
   MapPoint* replacement = nullptr;  // for an erased point: the point that it was merged into

@@ -29,7 +29,7 @@ FullBundleAdjustment::FullBundleAdjustment(const StereoCamera& camera, const Map
       const auto pose = pose_of.find(o.keyframe);
       if (pose == pose_of.end()) continue;
       problem_.observations.push_back(
-          {pose->second, j, measurement_of(*o.keyframe->features, o.feature, map.scales()), true});
+          {pose->second, j, measurement_of(*o.keyframe, o.feature, map.scales()), true});
     }
   }
   report_.keyframes = static_cast<int>(keyframes_.size());

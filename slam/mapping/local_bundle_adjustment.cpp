@@ -77,8 +77,7 @@ BundleProblem make_problem(const StereoCamera& camera, const Window& window,
     for (const Observation& o : point->observations) {
       const auto pose = pose_of.find(o.keyframe->id);
       if (pose == pose_of.end()) continue;
-      problem.observations.push_back(
-          {pose->second, j, measurement_of(*o.keyframe->features, o.feature, scales), true});
+      problem.observations.push_back({pose->second, j, measurement_of(*o.keyframe, o.feature, scales), true});
     }
   }
   return problem;

@@ -26,22 +26,25 @@ int weight_of(const MapPoint& point) {
 
 }  // namespace
 
-void LocalMapper::process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked) {
+void LocalMapper::process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked,
+                          const std::vector<char>& aligned) {
   std::unique_lock lock(map_.mutex());
-  connect(keyframe, tracked);
+  connect(keyframe, tracked, aligned);
   cull_recent_points(*keyframe);
   create_stereo_points(camera_, keyframe, map_, settings_.point_creation);
   triangulate_with_neighbours(camera_, keyframe, map_, settings_.point_creation);
   fuse_with_neighbours(keyframe);
+  renew_patches(keyframe);
   adjust_local_bundle(camera_, keyframe, map_, settings_.bundle, &lock);
   cull_keyframes(*keyframe);
 }
 
-void LocalMapper::connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked) {
+void LocalMapper::connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked,
+                          const std::vector<char>& aligned) {
   for (std::size_t i = 0; i < tracked.size(); ++i) {
     MapPoint* point = tracked[i];
     if (point == nullptr || point->erased) continue;
-    map_.add_observation(point, keyframe, static_cast<int>(i));
+    map_.add_observation(point, keyframe, static_cast<int>(i), aligned[i] != 0);
     map_.update_point(point);
   }
   map_.update_covisibility(keyframe);
@@ -74,6 +77,22 @@ void LocalMapper::fuse_with_neighbours(KeyFrame* keyframe) {
     if (point != nullptr) map_.update_point(point);
   }
   map_.update_covisibility(keyframe);
+}
+
+// A point is looked for as it was seen last. Where its old patch was not found its place is not known
+// exactly: then the old one stays, unless the point has come so near that it cannot be found again.
+void LocalMapper::renew_patches(KeyFrame* keyframe) {
+  if (!keyframe->patches) return;
+  constexpr double kNearer = 1.5;
+  for (std::size_t i = 0; i < keyframe->points.size(); ++i) {
+    MapPoint* point = keyframe->points[i];
+    if (point == nullptr) continue;
+    const double depth = (keyframe->T_cw * point->position).z();
+    if (!keyframe->aligned[i] && !point->patch.empty() && point->patch_depth < kNearer * depth) continue;
+    point->patch = (*keyframe->patches)[i];
+    point->patch_depth = depth;
+  }
+  keyframe->patches.reset();
 }
 
 void LocalMapper::cull_keyframes(const KeyFrame& newest) {

@@ -30,11 +30,13 @@ class LocalMapper {
   LocalMapper(const StereoCamera& camera, Map& map, const LocalMapperSettings& settings)
       : camera_(camera), map_(map), settings_(settings) {}
 
-  // `tracked`: per feature the point that the tracker found there, or nullptr.
-  void process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked);
+  // `tracked`: per feature the point that the tracker found there, or nullptr; `aligned`: 1 where it found
+  // the point's patch, too.
+  void process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked, const std::vector<char>& aligned);
 
  private:
-  void connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked);
+  void connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked, const std::vector<char>& aligned);
+  void renew_patches(KeyFrame* keyframe);
   void cull_recent_points(const KeyFrame& newest);
   void fuse_with_neighbours(KeyFrame* keyframe);
   void cull_keyframes(const KeyFrame& newest);

@@ -104,7 +104,7 @@ void MapWorker::process(MapWork work) {
   }
   {
     const auto scope = timer_.measure("mapping");
-    mapper_.process(keyframe, work.tracked);
+    mapper_.process(keyframe, work.tracked, work.aligned);
   }
   std::optional<ClosedLoop> closed;
   {

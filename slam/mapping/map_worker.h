@@ -35,6 +35,7 @@ namespace penumbra::slam {
 struct MapWork {
   std::unique_ptr<KeyFrame> keyframe;
   std::vector<MapPoint*> tracked;  // per feature: the point that the tracker found there, or nullptr
+  std::vector<char> aligned;       // per feature: whether the point's patch was, too
   // What its pose was found against. Where that has been moved meanwhile, by a loop, the keyframe follows.
   const KeyFrame* reference = nullptr;  // nullptr for none
   SE3 reference_T_cw;

@@ -5,17 +5,22 @@
 #include <vector>
 
 #include "slam/features/frame_features.h"
+#include "slam/features/image_pyramid.h"
+#include "slam/features/patch.h"
 #include "slam/geometry/se3.h"
 #include "slam/map/keyframe.h"
 
 namespace penumbra::slam {
 
 struct Frame {
-  int index = 0;           // in the sequence
-  double timestamp = 0.0;  // seconds
-  std::shared_ptr<const FrameFeatures> features;
+  int index = 0;                            // in the sequence
+  double timestamp = 0.0;                   // seconds
+  std::shared_ptr<FrameFeatures> features;  // the tracker sharpens their positions, then nobody does
+  const ImagePyramid* pyramid = nullptr;    // of the left image; only while the frame is tracked
+  std::shared_ptr<const std::vector<Patch>> patches;  // per feature; given by the tracker
   SE3 T_cw;
   std::vector<MapPoint*> points;  // per feature: the map point it shows, or nullptr
+  std::vector<char> aligned;      // per feature: 1 where the point's patch was found at its pixel
 
   // Where it is relative to a keyframe: keyframes move when the map is adjusted, and the frame moves along.
   const KeyFrame* reference = nullptr;

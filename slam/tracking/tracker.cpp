@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include "slam/features/descriptor_matcher.h"
 #include "slam/features/measurement.h"
+#include "slam/geometry/pnp_ransac.h"
 #include "slam/map/projection.h"
+#include "slam/tracking/feature_refiner.h"
 #include "slam/tracking/local_map.h"
 #include "slam/tracking/recognition.h"
 
@@ -12,6 +15,7 @@ namespace penumbra::slam {
 TrackingReport Tracker::track(Frame& frame) {
   TrackingReport report;
   frame.points.assign(static_cast<std::size_t>(frame.features->size()), nullptr);
+  frame.aligned.assign(frame.points.size(), 0);
   if (state_ == TrackingState::initialising) {
     report.wants_keyframe = start(frame);
     report.state = state_;
@@ -33,7 +37,7 @@ TrackingReport Tracker::track(Frame& frame) {
   }
   finish(frame, located.success);
   report.state = state_;
-  report.wants_keyframe = located.success && wants_keyframe(frame, located.inliers);
+  report.wants_keyframe = sharp_enough(frame, located.success && wants_keyframe(frame, located.inliers));
   if (lost_with_view_ >= settings_.lost_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
@@ -59,7 +63,9 @@ bool Tracker::start(Frame& frame) {
 }
 
 // `frame` is located: the next one is compared with it.
-void Tracker::remember(const Frame& frame) {
+void Tracker::remember(Frame& frame) {
+  frame.patches = std::make_shared<const std::vector<Patch>>(
+      extract_patches(*frame.pyramid, frame.features->left.keypoints));
   last_ = frame;
   last_keyframe_ = nullptr;
   previous_T_cw_ = frame.T_cw;
@@ -90,19 +96,16 @@ void Tracker::refresh_last_frame() {
   map_.readers_let_go();
 }
 
-// Every feature of the last frame whose place in space is known, from the map or from its own stereo depth.
+// Every feature of the last frame whose place in space is known.
 std::vector<Projection> Tracker::project_last_frame(const SE3& T_cw) const {
-  const SE3 T_cl = T_cw * last_.T_cw.inverse();
   const FrameFeatures& features = *last_.features;
   std::vector<Projection> projections;
   for (int i = 0; i < features.size(); ++i) {
-    const MapPoint* point = last_.points[static_cast<std::size_t>(i)];
-    if (features.is_movable(i) || (point == nullptr && !features.has_stereo(i))) continue;
-    const Keypoint& k = features.keypoint(i);
-    const Eigen::Vector3d p =
-        point != nullptr ? T_cw * point->position
-                         : T_cl * camera_.back_project(k.u, k.v, features.depth[static_cast<std::size_t>(i)]);
+    const std::optional<Eigen::Vector3d> point = last_point(i);
+    if (!point) continue;
+    const Eigen::Vector3d p = T_cw * *point;
     if (!(p.z() > 0.0)) continue;
+    const Keypoint& k = features.keypoint(i);
     const Eigen::Vector3d pixel = camera_.project_stereo(p);
     if (!camera_.in_image(pixel.head<2>())) continue;
     projections.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
@@ -129,13 +132,42 @@ std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches, co
   return kept;
 }
 
+// Where a feature of the last frame is in the world, from the map or from its own stereo depth; nothing where
+// neither knows.
+std::optional<Eigen::Vector3d> Tracker::last_point(int i) const {
+  const std::size_t at = static_cast<std::size_t>(i);
+  if (last_.features->is_movable(i)) return std::nullopt;
+  if (last_.points[at] != nullptr) return last_.points[at]->position;
+  if (!last_.features->has_stereo(i)) return std::nullopt;
+  const Keypoint& k = last_.features->keypoint(i);
+  return last_.T_cw.inverse() * camera_.back_project(k.u, k.v, last_.features->depth[at]);
+}
+
+// A rough pose where no motion is known: a search around the last pose would find far points only, and those
+// fit any small motion. So descriptors are compared without a window, and P3P finds the pose in RANSAC.
+std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
+  std::vector<PoseObservation> observations;
+  for (const Match& match :
+       match_descriptors(last_.features->left.descriptors, frame.features->left.descriptors, {})) {
+    const std::optional<Eigen::Vector3d> point = last_point(match.source);
+    if (!point || frame.features->is_movable(match.feature)) continue;
+    observations.push_back({*point, measurement_of(*frame.features, match.feature, map_.scales())});
+  }
+  PnpRansacSettings ransac;
+  ransac.seed = static_cast<std::uint64_t>(frame.index);
+  ransac.fewest_inliers = settings_.fewest_frame_inliers;
+  const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
+  if (!pnp) return std::nullopt;
+  return optimize_pose(camera_, pnp->T_cw, observations).T_cw;
+}
+
 // Around the predicted pose: first against the last frame that was located, in a narrow and then a wide
-// window, then against the map. Without a known motion nothing is predicted: a search around the last pose
-// would find far points only, and those fit any small motion.
+// window, then against the map.
 Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
-  if (!motion_.known()) return {};
+  const std::optional<SE3> start = motion_.known() ? predicted : pose_from_last_frame(frame);
+  if (!start) return {};
   for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
-    frame.T_cw = predicted;
+    frame.T_cw = *start;
     Located located = locate_from_last_frame(frame, radius, report);
     report.frame_inliers = located.inliers;
     if (located.success) located = locate_in_local_map(frame);
@@ -157,15 +189,10 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
     matches = filter_matches(matches, frame, report);
   }
   const auto scope = timer_.measure("pose");
-  const SE3 T_wl = last_.T_cw.inverse();
   std::vector<PoseObservation> observations;
   for (const Match& match : matches) {
-    const std::size_t i = static_cast<std::size_t>(match.source);
-    const Keypoint& k = last_.features->keypoint(match.source);
-    const Eigen::Vector3d point = last_.points[i] != nullptr
-                                      ? last_.points[i]->position
-                                      : T_wl * camera_.back_project(k.u, k.v, last_.features->depth[i]);
-    observations.push_back({point, measurement_of(*frame.features, match.feature, map_.scales())});
+    observations.push_back(
+        {*last_point(match.source), measurement_of(*frame.features, match.feature, map_.scales())});
   }
   const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
   if (estimate.inliers < settings_.fewest_frame_inliers) return {false, estimate.inliers};
@@ -176,7 +203,9 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
     if (!estimate.inlier[m]) continue;
     MapPoint* point = last_.points[static_cast<std::size_t>(matches[m].source)];
     frame.points[static_cast<std::size_t>(matches[m].feature)] = point;
-    if (point == nullptr) unmapped_.emplace_back(matches[m].feature, observations[m]);
+    if (point == nullptr) {
+      unmapped_.push_back({matches[m].feature, matches[m].source, observations[m].point});
+    }
   }
   return {true, estimate.inliers};
 }
@@ -197,8 +226,21 @@ Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
 Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   const auto scope = timer_.measure("local_map");
   const LocalMap local = collect_local_map(frame, reference_, settings_.local_keyframes);
-  const std::vector<MapPoint*>& points = local.points;
   reference_ = local.reference;
+  match_local_points(frame, local.points);
+  const std::vector<PoseObservation> observations = refine_observations(frame);
+  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
+  const int inliers = keep_agreeing(frame, observations, estimate);
+  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
+  frame.T_cw = estimate.T_cw;
+  for (MapPoint* point : frame.points) {
+    if (point != nullptr) ++point->found;
+  }
+  return {true, inliers};
+}
+
+// Looks for those of `points` that the frame does not show yet, around where they project.
+void Tracker::match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const {
   std::vector<const MapPoint*> matched;
   std::vector<char> taken(frame.points.size(), 0);
   for (std::size_t i = 0; i < frame.points.size(); ++i) {
@@ -225,33 +267,62 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   for (const Match& match : match_projections(projections, *frame.features, taken, map_.scales(), search)) {
     frame.points[static_cast<std::size_t>(match.feature)] = points[static_cast<std::size_t>(match.source)];
   }
+}
 
-  std::vector<int> features;
+// Moves the matched features to where their points' patches are found. What they measure then: first those of
+// map points, in the order of the features, then those that are known from the last frame only. Far points
+// hold the rotation, also those that are in no map yet.
+std::vector<PoseObservation> Tracker::refine_observations(Frame& frame) const {
+  const FeatureRefiner refiner(*frame.pyramid, map_.scales());
+  const auto refine = [&](int feature, const Eigen::Vector3d& point, const Patch& patch, double patch_depth) {
+    const Eigen::Vector3d p = frame.T_cw * point;
+    if (!(p.z() > 0.0)) return false;
+    return refiner.refine(*frame.features, feature, patch, patch_depth, camera_.project(p), p.z());
+  };
   std::vector<PoseObservation> observations;
+  const auto observe = [&](int feature, const Eigen::Vector3d& point, bool aligned) {
+    observations.push_back({point, measurement_of(*frame.features, feature, map_.scales(), aligned)});
+  };
   for (int i = 0; i < frame.features->size(); ++i) {
-    const MapPoint* point = frame.points[static_cast<std::size_t>(i)];
+    const std::size_t at = static_cast<std::size_t>(i);
+    const MapPoint* point = frame.points[at];
     if (point == nullptr) continue;
-    features.push_back(i);
-    observations.push_back({point->position, measurement_of(*frame.features, i, map_.scales())});
+    frame.aligned[at] = refine(i, point->position, point->patch, point->patch_depth);
+    observe(i, point->position, frame.aligned[at]);
   }
-  // Far points hold the rotation, also those that are in no map yet.
-  for (const auto& [feature, observation] : unmapped_) {
-    if (frame.points[static_cast<std::size_t>(feature)] == nullptr) observations.push_back(observation);
+  for (const Unmapped& u : unmapped_) {
+    if (frame.points[static_cast<std::size_t>(u.feature)] != nullptr) continue;
+    const std::size_t last = static_cast<std::size_t>(u.last_feature);
+    observe(u.feature, u.point,
+            refine(u.feature, u.point, (*last_.patches)[last], last_.features->depth[last]));
   }
-  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
-  const int inliers = static_cast<int>(std::count(
-      estimate.inlier.begin(), estimate.inlier.begin() + static_cast<std::ptrdiff_t>(features.size()), 1));
-  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
-  frame.T_cw = estimate.T_cw;
-  for (std::size_t k = 0; k < features.size(); ++k) {
-    MapPoint*& point = frame.points[static_cast<std::size_t>(features[k])];
-    if (estimate.inlier[k]) {
-      ++point->found;
+  return observations;
+}
+
+// Lets go of the points that do not agree with the pose; returns how many stay. An aligned feature that
+// misses its narrow gate may still show the point as well as a corner does.
+int Tracker::keep_agreeing(Frame& frame, std::span<const PoseObservation> observations,
+                           const PoseEstimate& estimate) const {
+  int kept = 0;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    if (frame.points[i] == nullptr) continue;
+    bool agrees = estimate.inlier[k];
+    if (!agrees && frame.aligned[i]) {
+      frame.aligned[i] = 0;
+      const PixelMeasurement z = measurement_of(*frame.features, static_cast<int>(i), map_.scales());
+      const Eigen::Vector3d p = estimate.T_cw * observations[k].point;
+      agrees =
+          p.z() > 0.0 && reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
+    }
+    ++k;
+    if (agrees) {
+      ++kept;
     } else {
-      point = nullptr;
+      frame.points[i] = nullptr;
     }
   }
-  return {true, inliers};
+  return kept;
 }
 
 bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
@@ -272,6 +343,15 @@ bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
     reference_points += point != nullptr && point->observations.size() >= fewest_views;
   }
   return inliers < settings_.keyframe_share * reference_points;
+}
+
+// Whether the frame becomes the keyframe that is wanted, if one is.
+bool Tracker::sharp_enough(const Frame& frame, bool wanted) {
+  const bool sharp = frame.pyramid->levels() < 2 || sharpness_.is_sharp(frame.pyramid->level(1));
+  if (!wanted) return false;
+  const bool takes = sharp || ++blurred_candidates_ > settings_.longest_sharpness_wait;
+  if (takes) blurred_candidates_ = 0;
+  return takes;
 }
 
 void Tracker::finish(Frame& frame, bool located) {

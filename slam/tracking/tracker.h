@@ -16,6 +16,7 @@
 #include "slam/base/stage_timer.h"
 #include "slam/features/frame_matcher.h"
 #include "slam/features/mismatch_filter.h"
+#include "slam/features/sharpness.h"
 #include "slam/map/map.h"
 #include "slam/tracking/frame.h"
 #include "slam/tracking/motion_model.h"
@@ -44,6 +45,10 @@ struct TrackerSettings {
   int most_close_untracked = 70;
   int longest_keyframe_gap = 20;
   double close_depth = 20.0;  // metres; up to which stereo depth counts as close
+  // A frame below this share of the usual sharpness (slam/features/sharpness.h) leaves it to one of the next
+  // frames to become the keyframe; 0: no blur test.
+  double least_sharpness = 0.0;
+  int longest_sharpness_wait = 3;  // frames
 };
 
 struct TrackingReport {
@@ -60,7 +65,11 @@ struct TrackingReport {
 class Tracker {
  public:
   Tracker(const StereoCamera& camera, Map& map, const TrackerSettings& settings, StageTimer& timer)
-      : camera_(camera), map_(map), settings_(settings), timer_(timer) {}
+      : camera_(camera),
+        map_(map),
+        settings_(settings),
+        timer_(timer),
+        sharpness_(settings.least_sharpness) {}
 
   // Locates `frame` (its features are given): fills pose, points and reference.
   TrackingReport track(Frame& frame);
@@ -76,16 +85,23 @@ class Tracker {
 
   bool shows_enough(const Frame& frame) const;
   bool start(Frame& frame);
-  void remember(const Frame& frame);
+  void remember(Frame& frame);
   void refresh_last_frame();
   Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
+  std::optional<Eigen::Vector3d> last_point(int i) const;
+  std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
   Located locate_from_keyframes(Frame& frame);
   Located locate_in_local_map(Frame& frame);
+  void match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const;
+  std::vector<PoseObservation> refine_observations(Frame& frame) const;
+  int keep_agreeing(Frame& frame, std::span<const PoseObservation> observations,
+                    const PoseEstimate& estimate) const;
   std::vector<Projection> project_last_frame(const SE3& T_cw) const;
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
   bool wants_keyframe(const Frame& frame, int inliers) const;
+  bool sharp_enough(const Frame& frame, bool wanted);
   void finish(Frame& frame, bool located);
 
   const StereoCamera camera_;
@@ -98,13 +114,19 @@ class Tracker {
   SE3 previous_T_cw_;           // of the frame before this one, located or predicted
   double previous_time_ = 0.0;  // seconds
   // Pairs with the last frame that agree with its pose but show no map point (far ones, mostly).
-  std::vector<std::pair<int, PoseObservation>> unmapped_;
+  struct Unmapped {
+    int feature, last_feature;
+    Eigen::Vector3d point;  // world
+  };
+  std::vector<Unmapped> unmapped_;
   MotionModel motion_;
   KeyFrame* reference_ = nullptr;  // the keyframe that shares the most points with the last frame
   KeyFrame* newest_keyframe_ = nullptr;
   KeyFrame* last_keyframe_ = nullptr;  // what the last frame has become, if it has
   int frames_since_keyframe_ = 0;
-  int lost_with_view_ = 0;  // lost frames in a row that showed enough to begin a map
+  SharpnessTest sharpness_;
+  int blurred_candidates_ = 0;  // in a row
+  int lost_with_view_ = 0;      // lost frames in a row that showed enough to begin a map
 };
 
 }  // namespace penumbra::slam
