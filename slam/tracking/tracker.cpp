@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "slam/features/descriptor_matcher.h"
 #include "slam/features/measurement.h"
+#include "slam/geometry/pnp_ransac.h"
 #include "slam/map/projection.h"
 #include "slam/tracking/feature_refiner.h"
 #include "slam/tracking/local_map.h"
@@ -35,7 +37,7 @@ TrackingReport Tracker::track(Frame& frame) {
   }
   finish(frame, located.success);
   report.state = state_;
-  report.wants_keyframe = located.success && wants_keyframe(frame, located.inliers);
+  report.wants_keyframe = sharp_enough(frame, located.success && wants_keyframe(frame, located.inliers));
   if (lost_with_view_ >= settings_.lost_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
@@ -94,19 +96,16 @@ void Tracker::refresh_last_frame() {
   map_.readers_let_go();
 }
 
-// Every feature of the last frame whose place in space is known, from the map or from its own stereo depth.
+// Every feature of the last frame whose place in space is known.
 std::vector<Projection> Tracker::project_last_frame(const SE3& T_cw) const {
-  const SE3 T_cl = T_cw * last_.T_cw.inverse();
   const FrameFeatures& features = *last_.features;
   std::vector<Projection> projections;
   for (int i = 0; i < features.size(); ++i) {
-    const MapPoint* point = last_.points[static_cast<std::size_t>(i)];
-    if (features.is_movable(i) || (point == nullptr && !features.has_stereo(i))) continue;
-    const Keypoint& k = features.keypoint(i);
-    const Eigen::Vector3d p =
-        point != nullptr ? T_cw * point->position
-                         : T_cl * camera_.back_project(k.u, k.v, features.depth[static_cast<std::size_t>(i)]);
+    const std::optional<Eigen::Vector3d> point = last_point(i);
+    if (!point) continue;
+    const Eigen::Vector3d p = T_cw * *point;
     if (!(p.z() > 0.0)) continue;
+    const Keypoint& k = features.keypoint(i);
     const Eigen::Vector3d pixel = camera_.project_stereo(p);
     if (!camera_.in_image(pixel.head<2>())) continue;
     projections.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
@@ -133,13 +132,42 @@ std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches, co
   return kept;
 }
 
+// Where a feature of the last frame is in the world, from the map or from its own stereo depth; nothing where
+// neither knows.
+std::optional<Eigen::Vector3d> Tracker::last_point(int i) const {
+  const std::size_t at = static_cast<std::size_t>(i);
+  if (last_.features->is_movable(i)) return std::nullopt;
+  if (last_.points[at] != nullptr) return last_.points[at]->position;
+  if (!last_.features->has_stereo(i)) return std::nullopt;
+  const Keypoint& k = last_.features->keypoint(i);
+  return last_.T_cw.inverse() * camera_.back_project(k.u, k.v, last_.features->depth[at]);
+}
+
+// A rough pose where no motion is known: a search around the last pose would find far points only, and those
+// fit any small motion. So descriptors are compared without a window, and P3P finds the pose in RANSAC.
+std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
+  std::vector<PoseObservation> observations;
+  for (const Match& match :
+       match_descriptors(last_.features->left.descriptors, frame.features->left.descriptors, {})) {
+    const std::optional<Eigen::Vector3d> point = last_point(match.source);
+    if (!point || frame.features->is_movable(match.feature)) continue;
+    observations.push_back({*point, measurement_of(*frame.features, match.feature, map_.scales())});
+  }
+  PnpRansacSettings ransac;
+  ransac.seed = static_cast<std::uint64_t>(frame.index);
+  ransac.fewest_inliers = settings_.fewest_frame_inliers;
+  const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
+  if (!pnp) return std::nullopt;
+  return optimize_pose(camera_, pnp->T_cw, observations).T_cw;
+}
+
 // Around the predicted pose: first against the last frame that was located, in a narrow and then a wide
-// window, then against the map. Without a known motion nothing is predicted: a search around the last pose
-// would find far points only, and those fit any small motion.
+// window, then against the map.
 Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
-  if (!motion_.known()) return {};
+  const std::optional<SE3> start = motion_.known() ? predicted : pose_from_last_frame(frame);
+  if (!start) return {};
   for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
-    frame.T_cw = predicted;
+    frame.T_cw = *start;
     Located located = locate_from_last_frame(frame, radius, report);
     report.frame_inliers = located.inliers;
     if (located.success) located = locate_in_local_map(frame);
@@ -161,15 +189,10 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
     matches = filter_matches(matches, frame, report);
   }
   const auto scope = timer_.measure("pose");
-  const SE3 T_wl = last_.T_cw.inverse();
   std::vector<PoseObservation> observations;
   for (const Match& match : matches) {
-    const std::size_t i = static_cast<std::size_t>(match.source);
-    const Keypoint& k = last_.features->keypoint(match.source);
-    const Eigen::Vector3d point = last_.points[i] != nullptr
-                                      ? last_.points[i]->position
-                                      : T_wl * camera_.back_project(k.u, k.v, last_.features->depth[i]);
-    observations.push_back({point, measurement_of(*frame.features, match.feature, map_.scales())});
+    observations.push_back(
+        {*last_point(match.source), measurement_of(*frame.features, match.feature, map_.scales())});
   }
   const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
   if (estimate.inliers < settings_.fewest_frame_inliers) return {false, estimate.inliers};
@@ -320,6 +343,15 @@ bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
     reference_points += point != nullptr && point->observations.size() >= fewest_views;
   }
   return inliers < settings_.keyframe_share * reference_points;
+}
+
+// Whether the frame becomes the keyframe that is wanted, if one is.
+bool Tracker::sharp_enough(const Frame& frame, bool wanted) {
+  const bool sharp = frame.pyramid->levels() < 2 || sharpness_.is_sharp(frame.pyramid->level(1));
+  if (!wanted) return false;
+  const bool takes = sharp || ++blurred_candidates_ > settings_.longest_sharpness_wait;
+  if (takes) blurred_candidates_ = 0;
+  return takes;
 }
 
 void Tracker::finish(Frame& frame, bool located) {

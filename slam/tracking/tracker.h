@@ -16,6 +16,7 @@
 #include "slam/base/stage_timer.h"
 #include "slam/features/frame_matcher.h"
 #include "slam/features/mismatch_filter.h"
+#include "slam/features/sharpness.h"
 #include "slam/map/map.h"
 #include "slam/tracking/frame.h"
 #include "slam/tracking/motion_model.h"
@@ -44,6 +45,10 @@ struct TrackerSettings {
   int most_close_untracked = 70;
   int longest_keyframe_gap = 20;
   double close_depth = 20.0;  // metres; up to which stereo depth counts as close
+  // A frame below this share of the usual sharpness (slam/features/sharpness.h) leaves it to one of the next
+  // frames to become the keyframe; 0: no blur test.
+  double least_sharpness = 0.0;
+  int longest_sharpness_wait = 3;  // frames
 };
 
 struct TrackingReport {
@@ -60,7 +65,11 @@ struct TrackingReport {
 class Tracker {
  public:
   Tracker(const StereoCamera& camera, Map& map, const TrackerSettings& settings, StageTimer& timer)
-      : camera_(camera), map_(map), settings_(settings), timer_(timer) {}
+      : camera_(camera),
+        map_(map),
+        settings_(settings),
+        timer_(timer),
+        sharpness_(settings.least_sharpness) {}
 
   // Locates `frame` (its features are given): fills pose, points and reference.
   TrackingReport track(Frame& frame);
@@ -79,6 +88,8 @@ class Tracker {
   void remember(Frame& frame);
   void refresh_last_frame();
   Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
+  std::optional<Eigen::Vector3d> last_point(int i) const;
+  std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
   Located locate_from_keyframes(Frame& frame);
   Located locate_in_local_map(Frame& frame);
@@ -90,6 +101,7 @@ class Tracker {
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
   bool wants_keyframe(const Frame& frame, int inliers) const;
+  bool sharp_enough(const Frame& frame, bool wanted);
   void finish(Frame& frame, bool located);
 
   const StereoCamera camera_;
@@ -112,7 +124,9 @@ class Tracker {
   KeyFrame* newest_keyframe_ = nullptr;
   KeyFrame* last_keyframe_ = nullptr;  // what the last frame has become, if it has
   int frames_since_keyframe_ = 0;
-  int lost_with_view_ = 0;  // lost frames in a row that showed enough to begin a map
+  SharpnessTest sharpness_;
+  int blurred_candidates_ = 0;  // in a row
+  int lost_with_view_ = 0;      // lost frames in a row that showed enough to begin a map
 };
 
 }  // namespace penumbra::slam

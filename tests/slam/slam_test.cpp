@@ -225,6 +225,22 @@ TEST(SlamRealData, DriftOnKitti06StaysBelowOnePerCent) {
   EXPECT_EQ(lost, 0);
 }
 
+// The second frame is 2.4 m or 3.6 m ahead of the first, which nothing has predicted.
+TEST(SlamRealData, EverySecondAndEveryThirdFrameIsEnough) {
+  PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
+  for (const int step : {2, 3}) {
+    Slam slam(dataset->camera(), {});
+    Trajectory truth;
+    for (int i = 0; i < dataset->size(); i += step) {
+      slam.process(dataset->load(i));
+      truth.push_back((*dataset->ground_truth())[std::size_t(i)]);
+    }
+    EXPECT_EQ(slam.lost(), 0) << step;
+    EXPECT_LT(kitti_metrics(truth, slam.trajectory(), {20.0, 30.0, 40.0}).overall.translation, 1.5) << step;
+  }
+}
+
 TEST(SlamRealData, FramesLeftOutAndBlackFramesDoNotEndTracking) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
