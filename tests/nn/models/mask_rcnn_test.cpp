@@ -121,6 +121,18 @@ TEST(MaskRcnn, TrainedWeightsFindWhatTorchvisionFindsOnRealImages) {
   }
 }
 
+TEST(MaskRcnn, TheSmallNetworkOfTheStreetFindsWhatPyTorchFinds) {
+  MaskRcnn network(
+      weights_tools::load_weights(test::source_path("weights_tools/models/penumbra-tiny.safetensors")));
+  EXPECT_TRUE(network.has_attention());
+  for (const nlohmann::json& expected : read_fixture("tiny.json")) {
+    const auto path = test::fixture("mask_rcnn/" + expected["image"].get<std::string>());
+    const cv::Mat image = read_image(path, ImageColour::bgr);
+    EXPECT_GT(expected["scores"].size(), 5U);
+    expect_same(network(image), expected, image.size(), kTolerance);
+  }
+}
+
 MaskRcnnConfig small_images() { return sized(64, 128); }
 
 TEST(MaskRcnn, AttentionLeftOutIsTheBaselineBitForBit) {
