@@ -53,7 +53,8 @@ Outputs multi_scale_roi_align_case(const LayerCase& c, Arena& arena) {
 Outputs nms_case(const LayerCase& c, Arena&) {
   const std::vector<Box> boxes = c.boxes("regions");
   std::vector<int> groups;
-  for (const float u : c.values("groups")) groups.push_back(static_cast<int>(std::floor(2 * u)) + 2);  // -2..1 to 0..3
+  for (const float u : c.values("groups"))
+    groups.push_back(static_cast<int>(std::floor(2 * u)) + 2);  // -2..1 to 0..3
   const auto as_tensor = [](const std::vector<int>& kept) {
     return Tensor({static_cast<std::int64_t>(kept.size())}, {kept.begin(), kept.end()});
   };
