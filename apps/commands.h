@@ -6,16 +6,17 @@
 
 namespace penumbra::apps {
 
-void add_slam_command(CLI::App& app);       // a stereo sequence to a trajectory and a map
-void add_segment_command(CLI::App& app);    // find object instances in images
-void add_classify_command(CLI::App& app);   // name what images show
-void add_synth_command(CLI::App& app);      // render a synthetic drive
-void add_report_command(CLI::App& app);     // a run as one page to look at
-void add_eval_command(CLI::App& app);       // compare a trajectory with the ground truth
-void add_eval_coco_command(CLI::App& app);  // compare detections with the ground truth
-void add_convert_command(CLI::App& app);    // checkpoints to safetensors
-void add_info_command(CLI::App& app);       // list a checkpoint's tensors
-void add_calibrate_command(CLI::App& app);  // prepare weights for 8-bit arithmetic
-void add_bench_command(CLI::App& app);      // measure speed
+void add_slam_command(CLI::App& app);        // a stereo sequence to a trajectory and a map
+void add_segment_command(CLI::App& app);     // find object instances in images
+void add_classify_command(CLI::App& app);    // name what images show
+void add_synth_command(CLI::App& app);       // render a synthetic drive
+void add_report_command(CLI::App& app);      // a run as one page to look at
+void add_eval_command(CLI::App& app);        // compare a trajectory with the ground truth
+void add_eval_loops_command(CLI::App& app);  // compare a run's loops with the ground truth
+void add_eval_coco_command(CLI::App& app);   // compare detections with the ground truth
+void add_convert_command(CLI::App& app);     // checkpoints to safetensors
+void add_info_command(CLI::App& app);        // list a checkpoint's tensors
+void add_calibrate_command(CLI::App& app);   // prepare weights for 8-bit arithmetic
+void add_bench_command(CLI::App& app);       // measure speed
 
 }  // namespace penumbra::apps

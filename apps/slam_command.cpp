@@ -13,6 +13,7 @@
 #include "apps/compute_options.h"
 #include "apps/frames_report.h"
 #include "apps/keyframe_gallery.h"
+#include "apps/process_usage.h"
 #include "apps/progress_bar.h"
 #include "apps/segmenter.h"
 #include "apps/slam_report.h"
@@ -35,9 +36,9 @@ constexpr const char* kExamples = R"(Examples:
   penumbra slam kitti --sequence 06 --frames 0:50 --filter off --out out/06
   penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
 
-Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), map.ply (points and
-keyframes), trajectory.png (seen from above), run.json (settings, counts, times, errors against the ground truth),
-frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
+Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), keyframes_tum.txt (the
+keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
+loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
 
 struct SlamOptions {
   std::string dataset, out, sequence, frames, weights, classes;
@@ -123,6 +124,17 @@ std::optional<slam::Evaluation> evaluate(const slam::Trajectory& truth, const sl
   return slam::evaluate_trajectory(truth, estimate, options);
 }
 
+// Pieces of the map that nothing ties to the first stand where they were guessed.
+void warn_of_pieces(const slam::Slam& slam) {
+  const std::vector<slam::SubmapSummary> submaps = slam.submaps();
+  for (std::size_t i = 1; i < submaps.size(); ++i) {
+    spdlog::warn(
+        "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
+        "frames are right relative to each other, where they are is a guess",
+        submaps[i].first_frame, submaps[i].last_frame, submaps[i].frames);
+  }
+}
+
 void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                    const slam::Slam& slam, SlamRun& run) {
   const slam::Trajectory estimate = slam.trajectory();
@@ -131,6 +143,7 @@ void write_results(const std::filesystem::path& out, const slam::StereoDataset& 
   if (!estimate.empty()) {
     slam::write_kitti_poses(out / "trajectory_kitti.txt", estimate);
     slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
+    slam::write_tum_trajectory(out / "keyframes_tum.txt", slam.keyframe_trajectory());
     if (!truth.empty()) slam::write_kitti_poses(out / "ground_truth_kitti.txt", truth);
     slam::TrajectoryPlotOptions plot;
     plot.title = dataset.name();
@@ -139,7 +152,7 @@ void write_results(const std::filesystem::path& out, const slam::StereoDataset& 
   slam::write_ply(out / "map.ply", slam.map());
   write_keyframe_gallery(out / "gallery", dataset, slam);
   nn::write_file(out / "frames.json", frames_report(slam).dump() + "\n");
-  nn::write_file(out / "run.json", slam_report(run, slam).dump(2) + "\n");
+  nn::write_file(out / "run.json", to_text(slam_report(run, slam)));
 }
 
 void print_summary(const nlohmann::json& report, const std::filesystem::path& out) {
@@ -182,8 +195,13 @@ void run_slam(const SlamOptions& options) {
   omp_set_num_threads(run.settings.threads);
   cv::setNumThreads(1);  // the frames' two images are the parallel work
   slam::Slam slam(dataset->camera(), run.settings, segmenter);
+  const double cpu_before = process_usage().cpu_seconds;
   run.error = process_frames(*dataset, slam);
   slam.finish();
+  const ProcessUsage usage = process_usage();
+  run.cpu_seconds = usage.cpu_seconds - cpu_before;
+  run.peak_rss_mb = usage.peak_rss_mb;
+  warn_of_pieces(slam);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(out, *dataset, slam, run);
   print_summary(slam_report(run, slam), out);

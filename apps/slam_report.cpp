@@ -1,5 +1,8 @@
 #include "apps/slam_report.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <cmath>
 
 namespace penumbra::apps {
@@ -34,6 +37,42 @@ nlohmann::json ground_truth_json(const slam::Evaluation& e) {
   return json;
 }
 
+nlohmann::json loop_closures_json(const std::vector<slam::ClosedLoop>& loops) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::ClosedLoop& loop : loops) {
+    json.push_back({{"frame", loop.frame},
+                    {"earlier_frame", loop.earlier_frame},
+                    {"points", loop.inliers},
+                    {"correction_m", rounded(loop.correction_metres)},
+                    {"merged_submaps", loop.merged_submaps},
+                    {"of_loaded_map", loop.of_loaded_map}});
+  }
+  return json;
+}
+
+nlohmann::json submaps_json(const std::vector<slam::SubmapSummary>& submaps) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::SubmapSummary& submap : submaps) {
+    json.push_back({{"submap", submap.submap},
+                    {"first_frame", submap.first_frame},
+                    {"last_frame", submap.last_frame},
+                    {"frames", submap.frames},
+                    {"keyframes", submap.keyframes}});
+  }
+  return json;
+}
+
+nlohmann::json covisibility_json(const slam::Map& map) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::KeyFrame* keyframe : map.keyframes()) {
+    for (const slam::Covisible& c : keyframe->covisibles) {
+      if (c.keyframe->id >= keyframe->id) continue;
+      json.push_back({keyframe->frame_index, c.keyframe->frame_index, c.shared_points});
+    }
+  }
+  return json;
+}
+
 }  // namespace
 
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
@@ -60,6 +99,9 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["map_points"] = map_points;
   json["movable_features"] = movable_features;
   if (run.segmentation) json["peak_arena_bytes"] = run.peak_arena_bytes;
+  const double frames = static_cast<double>(std::max<std::size_t>(slam.results().size(), 1));
+  json["cpu_ms_per_frame"] = rounded(1000.0 * run.cpu_seconds / frames);
+  json["peak_rss_mb"] = rounded(run.peak_rss_mb);
   for (const auto& [stage, times] : slam.timer().stages()) {
     const double median = rounded(slam::quantile_of(times, 0.5));
     if (stage == "frame") {
@@ -71,7 +113,31 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   }
   json["mismatch_filter"] = {{"kept", filter_kept}, {"removed", filter_removed}};
   if (run.evaluation) json["ground_truth"] = ground_truth_json(*run.evaluation);
+  const std::vector<slam::ClosedLoop> loops = slam.loops();
+  json["loops"] = nlohmann::json::array();
+  for (const slam::ClosedLoop& loop : loops) {
+    // A piece that was merged soon after the way was lost is no loop.
+    const bool is_revisit = loop.frame - loop.earlier_frame >= run.settings.loops.fewest_frames_apart;
+    if (is_revisit && !loop.of_loaded_map) json["loops"].push_back({loop.frame, loop.earlier_frame});
+  }
+  json["loop_closures"] = loop_closures_json(loops);
+  json["submaps"] = submaps_json(slam.submaps());
+  json["keyframe_frames"] = nlohmann::json::array();
+  for (const slam::KeyFrame* k : slam.map().keyframes()) json["keyframe_frames"].push_back(k->frame_index);
+  json["covisibility"] = covisibility_json(slam.map());
   return json;
+}
+
+std::string to_text(const nlohmann::json& report) {
+  std::string text;
+  for (const auto& [key, value] : report.items()) {
+    std::string entry = value.is_object() ? value.dump(2) : value.dump();
+    for (std::size_t at = entry.find('\n'); at != std::string::npos; at = entry.find('\n', at + 1)) {
+      entry.insert(at + 1, "  ");
+    }
+    text += fmt::format("{}  \"{}\": {}", text.empty() ? "{\n" : ",\n", key, entry);
+  }
+  return text + "\n}\n";
 }
 
 }  // namespace penumbra::apps

@@ -16,13 +16,21 @@ struct SlamRun {
   bool segmentation = false;
   bool deterministic = false;
   std::size_t peak_arena_bytes = 0;            // of the network's activations
+  double cpu_seconds = 0.0;                    // of all threads, from the first frame to the finished map
+  double peak_rss_mb = 0.0;                    // of the process
   std::string error;                           // empty: the run came to its end
   std::optional<slam::Evaluation> evaluation;  // where there is ground truth
 };
 
 // Keys: dataset, error, settings, frames, tracked, lost, lost_frames, keyframes, map_points,
-// movable_features, peak_arena_bytes (with segmentation), median_ms, p95_ms, stages (medians in ms),
-// mismatch_filter (kept, removed), ground_truth (APE, drift) where there is one.
+// movable_features, peak_arena_bytes (with segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all
+// threads), peak_rss_mb, stages (medians in ms), mismatch_filter (kept, removed), ground_truth (APE, drift)
+// where there is one, loops (pairs of frames, the later first), loop_closures (every correction of the map,
+// with what is known of it), submaps (pieces of the map that are not tied to each other, see slam/slam.h),
+// keyframe_frames, covisibility (frame, earlier frame, points that both keyframes see).
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam);
+
+// The report as text: an entry a line, objects over several.
+std::string to_text(const nlohmann::json& report);
 
 }  // namespace penumbra::apps

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <future>
+#include <map>
 #include <opencv2/imgproc.hpp>
 #include <shared_mutex>
 
@@ -74,23 +75,27 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
       left_orb_(settings.orb),
       right_orb_(settings.orb),
       map_(level_scales(settings.orb.pyramid)),
+      index_(settings.index),
       mapper_(camera_, map_, settings.mapper),
-      loop_closer_(camera_, map_, settings.loops),
-      tracker_(camera_, map_, tracker_settings(settings, camera_), timer_),
+      loop_closer_(camera_, map_, index_, settings.loops),
+      tracker_(camera_, map_, index_, tracker_settings(settings, camera_), timer_),
       worker_(camera_, map_, mapper_, loop_closer_, settings.full_bundle, !settings.deterministic) {}
 
 FrameResult Slam::process(const StereoImages& images) {
   check_image(images.left, camera_, images.index, "left");
   check_image(images.right, camera_, images.index, "right");
   const auto scope = timer_.measure("frame");
-  FrameResult result;
-  result.index = images.index;
-
   const std::shared_ptr<FrameFeatures> features = measure(images);
   mark_movable(images, *features);
+  return process(images.index, images.timestamp, features);
+}
+
+FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features) {
+  FrameResult result;
+  result.index = index;
   Frame frame;
-  frame.index = images.index;
-  frame.timestamp = images.timestamp;
+  frame.index = index;
+  frame.timestamp = timestamp;
   frame.features = features;
   frame.pyramid = &left_orb_.pyramid();
   std::optional<MapWork> work;
@@ -131,6 +136,8 @@ std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   const auto scope = timer_.measure("stereo");
   StereoMatches stereo;
   match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
+  stereo_order_.check(images.index, camera_, measured->left, right_features, left_orb_.pyramid(),
+                      right_orb_.pyramid(), stereo);
   measured->u_right = std::move(stereo.u_right);
   measured->depth = std::move(stereo.depth);
   measured->movable.assign(measured->left.keypoints.size(), 0);
@@ -197,6 +204,27 @@ Trajectory Slam::keyframe_trajectory() const {
     trajectory.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});
   }
   return trajectory;
+}
+
+std::vector<SubmapSummary> Slam::submaps() const {
+  const std::shared_lock lock(map_.mutex());
+  std::map<int, SubmapSummary> submaps;
+  for (const KeyFrame* keyframe : map_.keyframes()) {
+    SubmapSummary& submap = submaps[keyframe->submap];
+    submap.submap = keyframe->submap;
+    ++submap.keyframes;
+  }
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const KeyFrame* reference = entries_[i].reference;
+    if (reference == nullptr || results_[i].tracking.state != TrackingState::tracking) continue;
+    while (reference->erased) reference = reference->stand_in;
+    SubmapSummary& submap = submaps[reference->submap];
+    if (submap.frames++ == 0) submap.first_frame = results_[i].index;
+    submap.last_frame = results_[i].index;
+  }
+  std::vector<SubmapSummary> in_order;
+  for (const auto& [number, submap] : submaps) in_order.push_back(submap);
+  return in_order;
 }
 
 int Slam::count(TrackingState state) const {

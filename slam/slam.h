@@ -18,7 +18,7 @@
 #include "slam/base/stage_timer.h"
 #include "slam/datasets/stereo_dataset.h"
 #include "slam/features/orb_extractor.h"
-#include "slam/features/stereo_matcher.h"
+#include "slam/features/stereo_order.h"
 #include "slam/loop/loop_closer.h"
 #include "slam/mapping/map_worker.h"
 #include "slam/semantics/instance.h"
@@ -37,6 +37,7 @@ struct SlamSettings {
   OrbSettings orb;
   TrackerSettings tracker;
   LocalMapperSettings mapper;
+  PlaceIndexSettings index;
   LoopCloserSettings loops;
   SemanticsSettings semantics;
   FullBundleSettings full_bundle;
@@ -51,6 +52,15 @@ struct FrameResult {
   int features = 0, stereo_features = 0, movable_features = 0;
 };
 
+// A piece of the map whose keyframes are tied to each other. One is all there should be; a further one begins
+// where the way was lost and nothing was recognised, and ends to be one when a loop ties it to an older one.
+// A piece that is never tied keeps the pose that was guessed for its beginning.
+struct SubmapSummary {
+  int submap = 0;                       // its number
+  int first_frame = 0, last_frame = 0;  // that were located in it
+  int frames = 0, keyframes = 0;
+};
+
 class Slam {
  public:
   // `segmenter` may be empty. Throws InputError for a camera that cannot be: fx, fy or baseline not above
@@ -59,8 +69,11 @@ class Slam {
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // Takes the next pair; grey or colour, of the camera's size (InputError otherwise).
+  // Takes the next pair; grey or colour, of the camera's size (InputError otherwise, and where the first
+  // pairs show that left and right are exchanged).
   FrameResult process(const StereoImages& images);
+  // The same for a frame whose features were found elsewhere, without the image.
+  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features);
   // Waits until the map is complete. What is read before shows the map as far as it is.
   void finish();
 
@@ -70,8 +83,11 @@ class Slam {
 
   // Loops that were closed so far, in the order in which they were.
   std::vector<ClosedLoop> loops() const;
+  // The pieces of the map, in the order of their numbers.
+  std::vector<SubmapSummary> submaps() const;
   // After finish() only, the worker's part in them being his until then.
   const Map& map() const { return map_; }
+  const PlaceIndex& index() const { return index_; }
   const LoopCloser& loop_closer() const { return loop_closer_; }
   const StageTimer& timer() const { return timer_; }
   const std::vector<FrameResult>& results() const { return results_; }
@@ -96,7 +112,9 @@ class Slam {
   const Segmenter segmenter_;
   StageTimer timer_;
   OrbExtractor left_orb_, right_orb_;
+  StereoOrder stereo_order_;
   Map map_;
+  PlaceIndex index_;
   LocalMapper mapper_;
   LoopCloser loop_closer_;
   Tracker tracker_;

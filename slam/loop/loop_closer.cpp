@@ -24,11 +24,13 @@ std::set<int> ids_around(const KeyFrame& keyframe) {
 }  // namespace
 
 std::optional<ClosedLoop> LoopCloser::process(KeyFrame* keyframe) {
-  if (!settings_.enabled) return std::nullopt;
-  std::optional<VerifiedPlace> place;
   {
-    const std::shared_lock lock(map_.mutex());
+    const std::unique_lock lock(map_.mutex());
     remember_older_keyframes(keyframe);
+  }
+  std::optional<VerifiedPlace> place;
+  if (settings_.enabled) {
+    const std::shared_lock lock(map_.mutex());
     place = recognise(*keyframe);
   }
   std::optional<ClosedLoop> closed;
@@ -46,14 +48,14 @@ std::optional<ClosedLoop> LoopCloser::process(KeyFrame* keyframe) {
   return closed;
 }
 
-// Keyframes enter the index when the camera has gone on: the newest would only be found as their own
-// neighbours, and many of them are still removed as redundant.
-void LoopCloser::remember_older_keyframes(const KeyFrame* newest) {
-  index_.remove_erased();
-  while (static_cast<int>(waiting_.size()) > settings_.age) {
-    index_.insert(waiting_.front());
-    waiting_.pop_front();
-  }
+void LoopCloser::adopt_map() {
+  const std::unique_lock lock(map_.mutex());
+  index_.insert_all(map_);
+  for (const KeyFrame* keyframe : map_.keyframes()) measure_way(keyframe);
+  first_own_ = static_cast<int>(travelled_.size());
+}
+
+void LoopCloser::measure_way(const KeyFrame* newest) {
   const std::size_t id = static_cast<std::size_t>(newest->id);
   if (travelled_.size() <= id) travelled_.resize(id + 1, 0.0);
   if (last_keyframe_ != nullptr) {
@@ -61,6 +63,18 @@ void LoopCloser::remember_older_keyframes(const KeyFrame* newest) {
                      (centre(newest->T_cw) - centre(current_pose(*last_keyframe_))).norm();
   }
   last_keyframe_ = newest;
+}
+
+// Keyframes enter the index when the camera has gone on: the newest would only be found as their own
+// neighbours, and many of them are still removed as redundant.
+void LoopCloser::remember_older_keyframes(const KeyFrame* newest) {
+  index_.remove_erased();
+  while (static_cast<int>(waiting_.size()) > settings_.age ||
+         (!waiting_.empty() && waiting_.front()->submap != newest->submap)) {
+    index_.insert(waiting_.front());
+    waiting_.pop_front();
+  }
+  measure_way(newest);
   while (!sightings_.empty() && newest->id - sightings_.front().keyframe->id >= settings_.window) {
     sightings_.pop_front();
   }
@@ -94,7 +108,7 @@ KeyFrame* LoopCloser::revisited(const KeyFrame& keyframe, const VerifiedPlace& p
   for (KeyFrame* k : there) {
     const SE3 between = place.T_cw * k->T_cw.inverse();
     if (between.translation.norm() > least || between.angle() > settings_.largest_turn) continue;
-    if (k->submap == keyframe.submap &&
+    if (k->submap == keyframe.submap && k->id >= first_own_ &&
         keyframe.frame_index - k->frame_index < settings_.fewest_frames_apart) {
       continue;
     }
@@ -138,6 +152,7 @@ void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {
   loop.frame = keyframe->frame_index;
   loop.earlier_frame = place.keyframe->frame_index;
   loop.inliers = place.inliers;
+  loop.of_loaded_map = place.keyframe->id < first_own_;
   loop.correction_metres = (centre(keyframe->T_cw) - centre(place.T_cw)).norm();
   const MapCorrection correction = correct_map(camera_, map_, keyframe, place, edges_, settings_.correction);
   loop.merged_submaps = correction.merged_submaps;

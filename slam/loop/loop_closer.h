@@ -29,7 +29,6 @@ namespace penumbra::slam {
 
 struct LoopCloserSettings {
   bool enabled = true;
-  PlaceIndexSettings index;
   PlaceVerifierSettings verifier;
   MapCorrectionSettings correction;
   bool adjust_whole_map = true;
@@ -56,12 +55,18 @@ struct ClosedLoop {
   int inliers = 0;                   // points that proved it
   double correction_metres = 0.0;    // how far the keyframe was moved
   bool merged_submaps = false;
+  bool of_loaded_map =
+      false;  // the earlier keyframe is of a map that was loaded, and its frame of another run
 };
 
 class LoopCloser {
  public:
-  LoopCloser(const StereoCamera& camera, Map& map, const LoopCloserSettings& settings)
-      : camera_(camera), map_(map), settings_(settings), index_(settings.index) {}
+  // Keyframes enter `index` here, also where loops are not to be closed: who is lost looks there, too.
+  LoopCloser(const StereoCamera& camera, Map& map, PlaceIndex& index, const LoopCloserSettings& settings)
+      : camera_(camera), map_(map), index_(index), settings_(settings) {}
+
+  // The keyframes of a map that was loaded are places of old: to be called before the first process().
+  void adopt_map();
 
   // Takes the next keyframe, in the order in which they are made. Where it closes a loop the map has been
   // corrected on return: poses and points have moved, points were merged.
@@ -69,7 +74,6 @@ class LoopCloser {
 
   // Whether the map is to be adjusted as a whole after a loop.
   bool adjusts_whole_map() const { return settings_.adjust_whole_map; }
-  const PlaceIndex& index() const { return index_; }
   const std::vector<ClosedLoop>& loops() const { return loops_; }
 
  private:
@@ -79,6 +83,7 @@ class LoopCloser {
     SE3 T_cw;
   };
 
+  void measure_way(const KeyFrame* newest);
   void remember_older_keyframes(const KeyFrame* newest);
   std::optional<VerifiedPlace> recognise(const KeyFrame& keyframe) const;
   KeyFrame* revisited(const KeyFrame& keyframe, const VerifiedPlace& place) const;
@@ -89,8 +94,9 @@ class LoopCloser {
 
   const StereoCamera camera_;
   Map& map_;
+  PlaceIndex& index_;
   const LoopCloserSettings settings_;
-  PlaceIndex index_;
+  int first_own_ = 0;              // id of the first keyframe that is not of a loaded map
   std::deque<KeyFrame*> waiting_;  // for the index
   std::vector<double> travelled_;  // keyframe id -> metres since the first keyframe
   const KeyFrame* last_keyframe_ = nullptr;

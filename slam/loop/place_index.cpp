@@ -66,6 +66,10 @@ void PlaceIndex::insert(KeyFrame* keyframe) {
   }
 }
 
+void PlaceIndex::insert_all(const Map& map) {
+  for (KeyFrame* keyframe : map.keyframes()) insert(keyframe);
+}
+
 void PlaceIndex::insert(int tree, const Entry& entry) {
   Tree& nodes = trees_[static_cast<std::size_t>(tree)];
   const int leaf = leaf_of(nodes, descriptor(entry));

@@ -15,7 +15,8 @@
 // Candidates are the best keyframes of the best places. An appearance alone proves nothing: verify them.
 //
 // Memory: 8 bytes a descriptor and tree; descriptors stay in the keyframes' features. Cost of a query: about
-// 1 ms for 1000 descriptors. Insertion order decides the trees; nothing else does: results repeat.
+// 1 ms for 1000 descriptors. Insertion order decides the trees; nothing else does: results repeat. Changes
+// need Map::mutex() alone, queries shared.
 // Source: Schlegel, Grisetti, HBST: A Hamming Distance Embedding Binary Search Tree for Visual Place
 // Recognition (RA-L 2018); weights: Sivic, Zisserman, Video Google (ICCV 2003).
 #pragma once
@@ -24,7 +25,7 @@
 #include <memory>
 #include <vector>
 
-#include "slam/map/keyframe.h"
+#include "slam/map/map.h"
 
 namespace penumbra::slam {
 
@@ -50,6 +51,8 @@ class PlaceIndex {
   // Indexes the features that show map points. A keyframe that is in already, or shows no point, changes
   // nothing.
   void insert(KeyFrame* keyframe);
+  // Indexes the keyframes of a map that was loaded: what its index was.
+  void insert_all(const Map& map);
   // Forgets the keyframes that the map has erased. Queries skip them before that.
   void remove_erased();
 

@@ -45,21 +45,21 @@ bool FullBundleAdjustment::within_gate(const BundleObservation& o) const {
   return e.squaredNorm() * o.measurement.inverse_variance <= o.measurement.gate();
 }
 
-bool FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
+void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
   BundleSettings pass;
   pass.iterations = settings_.robust_iterations;
   pass.stop = stop;
   report_.robust = solve_bundle(problem_, pass);
+  report_.stopped = stop != nullptr && stop->load();
+  if (report_.stopped) return;
   for (BundleObservation& o : problem_.observations) o.active = within_gate(o);
   pass.iterations = settings_.iterations;
   pass.robust = false;
   report_.final = solve_bundle(problem_, pass);
   report_.stopped = stop != nullptr && stop->load();
-  return !report_.stopped;
 }
 
 void FullBundleAdjustment::apply(Map& map) {
-  if (report_.stopped) return;
   // Where every keyframe was, for what is not in the problem and moves along.
   std::unordered_map<const KeyFrame*, SE3> before;
   for (const KeyFrame* keyframe : map.keyframes()) before[keyframe] = keyframe->T_cw;
@@ -92,7 +92,7 @@ void FullBundleAdjustment::apply(Map& map) {
     point->position = keyframe->T_cw.inverse() * (before[keyframe] * point->position);
   }
   for (const BundleObservation& o : problem_.observations) {
-    if (within_gate(o)) continue;
+    if (report_.stopped || within_gate(o)) continue;
     MapPoint* point = points_[static_cast<std::size_t>(o.point)];
     if (point->erased) continue;
     map.remove_observation(point, keyframes_[static_cast<std::size_t>(o.pose)]);

@@ -53,7 +53,8 @@ void MapWorker::drain() {
 
 void MapWorker::finish() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return failure_ || (queue_.empty() && !working_ && !adjusting_); });
+  const auto done = [&] { return failure_ || (queue_.empty() && !working_ && !adjusting_); };
+  while (!changed_.wait_for(lock, kLongestWait, done)) stop_adjustment_ = true;
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
@@ -93,6 +94,10 @@ void MapWorker::process(MapWork work) {
   {
     const std::unique_lock lock(map_.mutex());
     if (work.reference != nullptr) {
+      // Meanwhile the sub-map may have become part of another.
+      const KeyFrame* stand_in = work.reference;
+      while (stand_in->erased) stand_in = stand_in->stand_in;
+      keyframe->submap = stand_in->submap;
       const SE3 now = current_pose(*work.reference);
       if (now.rotation != work.reference_T_cw.rotation ||
           now.translation != work.reference_T_cw.translation) {
@@ -159,6 +164,7 @@ void MapWorker::apply_adjustment() {
   const std::unique_lock lock(map_.mutex());
   adjustment_->apply(map_);
   adjustment_.reset();
+  stop_adjustment_ = false;
 }
 
 void MapWorker::stop_adjustment() {

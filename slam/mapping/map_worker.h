@@ -11,10 +11,13 @@
 // computed. Only the worker changes the map's structure, so what it holds stays valid while it has let go of
 // the lock.
 //
-// A full bundle adjustment is stopped when another loop closes, and begun anew on the map as it is then.
+// A full bundle adjustment is stopped when another loop closes, and begun anew on the map as it is then. At
+// the end of a run it is waited for, but no longer than kLongestWait: then it is stopped and what it has
+// reached is taken over.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -54,8 +57,9 @@ class MapWorker {
   bool accepts() const;
   // Rethrows what an earlier keyframe's work has thrown.
   void submit(MapWork work);
-  // Waits until every keyframe is mapped, and until the whole map is adjusted, too.
+  // Waits until every keyframe is mapped.
   void drain();
+  // Waits until the whole map is adjusted, too.
   void finish();
 
   // The times of the worker's stages so far, which it then forgets. Only after finish().
@@ -63,6 +67,7 @@ class MapWorker {
 
  private:
   static constexpr std::size_t kLongestQueue = 3;
+  static constexpr std::chrono::seconds kLongestWait{20};
 
   void run();
   void process(MapWork work);

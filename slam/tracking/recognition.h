@@ -1,27 +1,39 @@
-// Finds a frame's pose without a prediction: by comparing it with the newest keyframes.
+// Finds where an image was taken without a prediction: in the whole map.
 //
-// For each keyframe: descriptors of its map points against the frame's (slam/features/descriptor_matcher.h),
-// P3P in RANSAC, then the pose optimizer. The keyframe with the most inliers wins. About 5 ms a keyframe.
+//   the newest keyframes of the map (the index learns of them late)    -> verify each by geometry
+//   none of them: the best places of the place index (place_index.h)   -> verify each by geometry
+//     -> the one that most points agree with                              (place_verifier.h)
+//
+// Near the newest keyframes a few points that agree are enough, since the camera was there a moment ago;
+// anywhere else the proof must be as strong as a loop's. Cost: about 5 ms for every keyframe compared.
+// Source: Mur-Artal, Tardos, ORB-SLAM (T-RO 2015), section V-C.
 #pragma once
 
+#include <cstdint>
 #include <optional>
-#include <vector>
 
+#include "slam/features/frame_features.h"
 #include "slam/geometry/stereo_camera.h"
+#include "slam/loop/place_index.h"
+#include "slam/loop/place_verifier.h"
 #include "slam/map/map.h"
-#include "slam/tracking/frame.h"
 
 namespace penumbra::slam {
 
-struct Recognition {
-  KeyFrame* keyframe = nullptr;  // the one that was recognised
-  SE3 T_cw;
-  std::vector<MapPoint*> points;  // per feature of the frame: the map point it shows, or nullptr
-  int inliers = 0;
+struct RecognitionSettings {
+  int newest_keyframes = 5;
+  int candidates = 5;  // places of the index
+  // What a keyframe needs to be recognised: among the newest, and anywhere.
+  PlaceVerifierSettings newest{
+      .fewest_ransac_inliers = 12, .fewest_inliers = 20, .least_share = 0.0, .fewest_cells = 3};
+  PlaceVerifierSettings anywhere;
 };
 
-// Nothing where no keyframe gives `fewest_inliers`. The random draws depend on the frame's index only.
-std::optional<Recognition> recognise_frame(const StereoCamera& camera, const Frame& frame, const Map& map,
-                                           int newest_keyframes, int fewest_inliers);
+// The image's pose in the map, the keyframe that was recognised and the points that it shows; nothing where
+// no keyframe is proven. `index` holds keyframes of `map`. The random draws depend on `seed` only. Needs the
+// map's lock shared.
+std::optional<VerifiedPlace> recognise_image(const StereoCamera& camera, const Map& map,
+                                             const PlaceIndex& index, const FrameFeatures& features,
+                                             std::uint64_t seed, const RecognitionSettings& settings = {});
 
 }  // namespace penumbra::slam

@@ -8,7 +8,6 @@
 #include "slam/map/projection.h"
 #include "slam/tracking/feature_refiner.h"
 #include "slam/tracking/local_map.h"
-#include "slam/tracking/recognition.h"
 
 namespace penumbra::slam {
 
@@ -16,7 +15,7 @@ TrackingReport Tracker::track(Frame& frame) {
   TrackingReport report;
   frame.points.assign(static_cast<std::size_t>(frame.features->size()), nullptr);
   frame.aligned.assign(frame.points.size(), 0);
-  if (state_ == TrackingState::initialising) {
+  if (state_ == TrackingState::initialising && map_.keyframes().empty()) {
     report.wants_keyframe = start(frame);
     report.state = state_;
     return report;
@@ -26,7 +25,7 @@ TrackingReport Tracker::track(Frame& frame) {
   const SE3 predicted = motion_.predict(previous_T_cw_, previous_time_, frame.timestamp);
   Located located = locate_by_prediction(frame, predicted, report);
   if (!located.success) {
-    located = locate_from_keyframes(frame);
+    located = recognise(frame);
     if (located.success) located = locate_in_local_map(frame);
   }
   report.map_inliers = located.inliers;
@@ -36,11 +35,11 @@ TrackingReport Tracker::track(Frame& frame) {
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
   }
   finish(frame, located.success);
-  report.state = state_;
   report.wants_keyframe = sharp_enough(frame, located.success && wants_keyframe(frame, located.inliers));
   if (lost_with_view_ >= settings_.lost_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
+  report.state = state_;
   return report;
 }
 
@@ -164,6 +163,7 @@ std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
 // Around the predicted pose: first against the last frame that was located, in a narrow and then a wide
 // window, then against the map.
 Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
+  if (last_.features == nullptr) return {};  // in a map that was loaded nothing came before
   const std::optional<SE3> start = motion_.known() ? predicted : pose_from_last_frame(frame);
   if (!start) return {};
   for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
@@ -211,11 +211,11 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
 }
 
 // Without a useful prediction.
-Tracker::Located Tracker::locate_from_keyframes(Frame& frame) {
-  const auto scope = timer_.measure("recover");
+Tracker::Located Tracker::recognise(Frame& frame) {
+  const auto scope = timer_.measure("recognise");
   unmapped_.clear();
-  std::optional<Recognition> found =
-      recognise_frame(camera_, frame, map_, settings_.recovery_keyframes, settings_.fewest_frame_inliers);
+  std::optional<VerifiedPlace> found = recognise_image(
+      camera_, map_, index_, *frame.features, static_cast<std::uint64_t>(frame.index), settings_.recognition);
   if (!found) return {};
   frame.T_cw = found->T_cw;
   frame.points = std::move(found->points);
@@ -356,8 +356,10 @@ bool Tracker::sharp_enough(const Frame& frame, bool wanted) {
 
 void Tracker::finish(Frame& frame, bool located) {
   ++frames_since_keyframe_;
-  frame.reference = reference_;
-  frame.T_c_reference = frame.T_cw * current_pose(*reference_).inverse();
+  if (reference_ != nullptr) {
+    frame.reference = reference_;
+    frame.T_c_reference = frame.T_cw * current_pose(*reference_).inverse();
+  }
   if (located) {
     // The motion since a frame that was lost is no velocity.
     if (state_ == TrackingState::tracking) {

@@ -3,9 +3,10 @@
 //   predict the pose (constant velocity) -> match the last frame's points -> mismatch filter -> pose
 //     -> match the points of the local map -> pose -> keyframe?
 //
-// A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it among
-// the last keyframes (descriptor matching, PnP RANSAC). If that fails for several frames in a row although
-// they show enough, the map is continued from the predicted pose: what was computed before stays.
+// A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it in the
+// whole map (recognition.h). If that fails for several frames in a row although they show enough, a new
+// sub-map begins at the predicted pose: what was computed before stays, and the loop closer merges the two
+// when it recognises a place. In a map that was loaded the first frame is looked for in the same way.
 //
 // Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017); mismatch filter: see slam/features/mismatch_filter.h.
 #pragma once
@@ -21,6 +22,7 @@
 #include "slam/tracking/frame.h"
 #include "slam/tracking/motion_model.h"
 #include "slam/tracking/pose_optimizer.h"
+#include "slam/tracking/recognition.h"
 
 namespace penumbra::slam {
 
@@ -35,9 +37,8 @@ struct TrackerSettings {
   int fewest_frame_inliers = 20;     // of the match to the last frame
   int fewest_map_inliers = 20;       // of the match to the local map
   int local_keyframes = 20;          // whose points make the local map
-  int recovery_keyframes = 5;        // newest keyframes that a lost frame is compared with
-  int lost_before_restart =
-      5;  // lost frames with enough points after which the map is continued from the prediction
+  RecognitionSettings recognition;   // of a lost frame
+  int lost_before_restart = 5;       // lost frames with enough points after which a new sub-map begins
   // A keyframe is made when the frame sees less than this share of the points of its reference keyframe ...
   double keyframe_share = 0.75;
   // ... or tracks few close points although many could be made, or after this many frames.
@@ -57,16 +58,18 @@ struct TrackingReport {
   MismatchFilterReport filter;  // what the mismatch filter did with them
   int frame_inliers = 0;        // pairs that agree with the pose
   int map_inliers = 0;          // map points that agree with the final pose
-  bool recovered = false;       // found again by PnP RANSAC
+  bool recovered = false;       // a lost one, found again
   bool wants_keyframe = false;
   bool starts_submap = false;  // its keyframe is the first of a new sub-map
 };
 
 class Tracker {
  public:
-  Tracker(const StereoCamera& camera, Map& map, const TrackerSettings& settings, StageTimer& timer)
+  Tracker(const StereoCamera& camera, Map& map, const PlaceIndex& index, const TrackerSettings& settings,
+          StageTimer& timer)
       : camera_(camera),
         map_(map),
+        index_(index),
         settings_(settings),
         timer_(timer),
         sharpness_(settings.least_sharpness) {}
@@ -91,7 +94,7 @@ class Tracker {
   std::optional<Eigen::Vector3d> last_point(int i) const;
   std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
-  Located locate_from_keyframes(Frame& frame);
+  Located recognise(Frame& frame);
   Located locate_in_local_map(Frame& frame);
   void match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const;
   std::vector<PoseObservation> refine_observations(Frame& frame) const;
@@ -106,6 +109,7 @@ class Tracker {
 
   const StereoCamera camera_;
   Map& map_;
+  const PlaceIndex& index_;
   const TrackerSettings settings_;
   StageTimer& timer_;
 

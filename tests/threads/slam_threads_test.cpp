@@ -3,6 +3,7 @@
 
 #include "slam/datasets/synthetic/street_sequence.h"
 #include "slam/slam.h"
+#include "tests/slam/feature_world.h"
 
 namespace penumbra::slam {
 namespace {
@@ -87,6 +88,46 @@ TEST_F(SlamThreads, SurviveABlackout) {
   EXPECT_GE(slam.lost(), 5);
   EXPECT_LE(slam.lost(), 15);
   EXPECT_EQ(slam.results().back().tracking.state, TrackingState::tracking);
+}
+
+// Seventy frames round a ring: a loop is closed, and the whole map adjusted, while the tracker goes on.
+class LoopThreads : public ::testing::Test {
+ protected:
+  LoopThreads() {
+    settings.deterministic = false;
+    settings.loops.fewest_frames_apart = 30;
+    settings.loops.age = 2;
+    settings.loops.consistent = 2;
+  }
+  static constexpr double kStep = 2.0;  // of 100 a lap: 50 frames are one
+  void drive(Slam& slam, int frames) {
+    std::vector<int> seen;
+    for (int i = 0; i < frames; ++i) {
+      slam.process(i, 0.1 * i, world.view(world.T_cw(kStep * i), static_cast<std::uint64_t>(i), seen));
+      // Without images the tracker is so fast that it would leave the worker, and the map, behind.
+      slam.finish();
+    }
+  }
+  test::FeatureWorld world;
+  SlamSettings settings;
+};
+
+TEST_F(LoopThreads, CloseALoopWhileTrackingGoesOn) {
+  Slam slam(world.camera(), settings);
+  drive(slam, 70);
+  slam.finish();
+  EXPECT_GE(slam.loops().size(), 1U);
+  const Trajectory trajectory = slam.trajectory();
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const SE3 truth = world.T_cw(kStep * static_cast<double>(i)).inverse();
+    EXPECT_EQ(slam.results()[i].tracking.state, TrackingState::tracking) << i;
+    EXPECT_LT((trajectory[i].T_wc.translation - truth.translation).norm(), 0.5) << i;
+  }
+}
+
+TEST_F(LoopThreads, CanBeLeftWhileTheWholeMapIsAdjusted) {
+  Slam slam(world.camera(), settings);
+  drive(slam, 68);
 }
 
 }  // namespace

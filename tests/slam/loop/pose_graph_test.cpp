@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
 
 #include "nn/base/error.h"
@@ -44,6 +45,27 @@ SE3 on_circle(int k, int n, double radius) {
   T_wc.rotation = so3_exp(Eigen::Vector3d(0.0, -angle, 0.0));
   T_wc.translation = {radius * (std::cos(angle) - 1.0), 0.0, radius * std::sin(angle)};
   return T_wc.inverse();
+}
+
+// docs/slam/loops.md, "An example by hand".
+TEST(PoseGraph, TheExampleOfTheChapter) {
+  const auto at = [](double z) {
+    SE3 T_wc;
+    T_wc.translation.z() = z;
+    return T_wc.inverse();
+  };
+  for (const auto& [weight, expected] : {std::pair(1.0, std::array{1.025, 2.05, 3.075}),
+                                         std::pair(10.0, std::array{1.0032, 2.0065, 3.0097})}) {
+    PoseGraph graph;
+    for (int k = 0; k < 4; ++k) graph.poses.push_back(at(1.1 * k));
+    graph.fixed = {1, 0, 0, 0};
+    for (int k = 0; k < 3; ++k) graph.edges.push_back({k + 1, k, at(1.1), Matrix6d::Identity()});
+    graph.edges.push_back({3, 0, at(3.0), weight * Matrix6d::Identity()});
+    solve_pose_graph(graph);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(graph.poses[k + 1].inverse().translation.z(), expected[k], 1e-4) << weight;
+    }
+  }
 }
 
 TEST(PoseGraph, ALoopTakesTheDriftOutOfAChain) {

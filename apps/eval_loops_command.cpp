@@ -1,0 +1,275 @@
+// penumbra eval-loops: precision and recall of a run's loops, and of the place index by itself.
+
+#include <fmt/core.h>
+
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/commands.h"
+#include "nn/base/error.h"
+#include "nn/io/file.h"
+#include "slam/evaluation/association.h"
+#include "slam/evaluation/loop_evaluation.h"
+#include "slam/evaluation/place_index_evaluation.h"
+#include "slam/geometry/trajectory_io.h"
+#include "slam/map/map_file.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  penumbra eval-loops out/00 --groundtruth poses/00.txt
+  penumbra eval-loops out/00 --groundtruth poses/00.txt --map out/00.map --json
+
+Two frames show the same place where their true positions are within 5 m and their headings within 30 degrees. A
+frame revisits a place that was seen at least 50 frames before and left in between. docs/slam/loops.md says how loops
+are found, docs/evaluation.md what is counted.)";
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+struct EvalLoopsOptions {
+  std::string run, ground_truth, map;
+  slam::RevisitSettings revisits;
+  double turn_degrees = 30.0;
+  int candidates = 3;
+  bool json = false;
+};
+
+nlohmann::json read_json(const std::filesystem::path& path) {
+  const std::string text = nn::read_file(path, "a file that `penumbra slam` wrote");
+  nlohmann::json value = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
+  return value;
+}
+
+// A list of whole numbers.
+std::vector<int> numbers(const nlohmann::json& list, const std::string& place) {
+  if (!list.is_array()) throw InputError(place, "a list of whole numbers", list.dump());
+  std::vector<int> numbers;
+  for (const nlohmann::json& number : list) {
+    if (!number.is_number_integer()) throw InputError(place, "a list of whole numbers", number.dump());
+    numbers.push_back(number.get<int>());
+  }
+  return numbers;
+}
+
+// A list of pairs of frames; what follows in an entry is left out.
+std::vector<slam::FramePair> pairs(const nlohmann::json& list, const std::string& place) {
+  if (!list.is_array()) throw InputError(place, "a list of pairs of frames", list.dump());
+  std::vector<slam::FramePair> pairs;
+  for (const nlohmann::json& entry : list) {
+    const std::vector<int> row = numbers(entry, place);
+    if (row.size() < 2) throw InputError(place, "pairs of frames", entry.dump());
+    pairs.push_back({row[0], row[1]});
+  }
+  return pairs;
+}
+
+struct Run {
+  std::vector<slam::FramePair> loops, covisible;
+  std::vector<int> keyframes;
+  std::vector<int> frames;  // numbers of the frames in the sequence
+};
+
+Run read_run(const std::filesystem::path& folder) {
+  const std::filesystem::path report_path = folder / "run.json", frames_path = folder / "frames.json";
+  const nlohmann::json report = read_json(report_path), frames = read_json(frames_path);
+  const auto place = [](const std::filesystem::path& path, const char* key) {
+    return fmt::format("{}, '{}'", path.string(), key);
+  };
+  Run run;
+  run.loops = pairs(report.value("loops", nlohmann::json()), place(report_path, "loops"));
+  run.covisible = pairs(report.value("covisibility", nlohmann::json()), place(report_path, "covisibility"));
+  run.keyframes =
+      numbers(report.value("keyframe_frames", nlohmann::json()), place(report_path, "keyframe_frames"));
+  run.frames = numbers(frames.value("index", nlohmann::json()), place(frames_path, "index"));
+  return run;
+}
+
+// The true pose of every frame of the run. A KITTI file's line i is frame i of the sequence, a TUM file's
+// lines are found by the times of the run's own trajectory.
+slam::Trajectory true_poses(const EvalLoopsOptions& options, const std::vector<int>& frames) {
+  if (slam::detect_trajectory_format(options.ground_truth) == slam::TrajectoryFormat::kitti) {
+    const slam::Trajectory all = slam::read_kitti_trajectory(options.ground_truth);
+    slam::Trajectory truth;
+    for (const int frame : frames) {
+      if (frame < 0 || frame >= static_cast<int>(all.size())) {
+        throw InputError(options.ground_truth, fmt::format("a pose for frame {}", frame),
+                         fmt::format("{} poses", all.size()));
+      }
+      truth.push_back(all[static_cast<std::size_t>(frame)]);
+    }
+    return truth;
+  }
+  const std::filesystem::path estimate_path = std::filesystem::path(options.run) / "trajectory_tum.txt";
+  const slam::Trajectory estimate = slam::read_tum_trajectory(estimate_path);
+  slam::TrajectoryPair pair =
+      slam::associate_by_time(slam::read_tum_trajectory(options.ground_truth), estimate, 0.05);
+  if (pair.reference.size() != frames.size()) {
+    throw InputError(options.ground_truth,
+                     fmt::format("a pose within 0.05 s of each of {} frames", frames.size()),
+                     fmt::format("{}", pair.reference.size()));
+  }
+  return pair.reference;
+}
+
+ordered_json loops_json(const slam::LoopEvaluation& e, const std::vector<int>& frames) {
+  const auto frame = [&](int row) { return frames[static_cast<std::size_t>(row)]; };
+  ordered_json json;
+  json["loops"] = e.loops.size();
+  json["correct_loops"] = e.correct_loops();
+  json["precision"] = e.precision();
+  json["regions"] = ordered_json::array();
+  for (const slam::RevisitRegion& r : e.regions) {
+    json["regions"].push_back({{"first_frame", frame(r.begin)},
+                               {"last_frame", frame(r.end - 1)},
+                               {"earlier_frame", frame(r.earlier)},
+                               {"closed", r.closed}});
+  }
+  json["closed_regions"] = e.closed_regions();
+  json["region_recall"] = e.region_recall();
+  json["revisited_keyframes"] = e.revisited_keyframes;
+  json["tied_keyframes"] = e.tied_keyframes;
+  json["keyframe_recall"] = e.keyframe_recall();
+  json["wrong_loops"] = ordered_json::array();
+  for (const slam::LoopEvaluation::Loop& loop : e.loops) {
+    if (loop.correct) continue;
+    json["wrong_loops"].push_back({{"frame", frame(loop.frames.frame)},
+                                   {"earlier_frame", frame(loop.frames.earlier)},
+                                   {"distance_m", loop.distance},
+                                   {"turn_deg", loop.turn * kDegrees}});
+  }
+  return json;
+}
+
+ordered_json index_json(const slam::PlaceIndexEvaluation& e) {
+  ordered_json json;
+  json["queries"] = e.queries;
+  json["revisits"] = e.revisits;
+  json["recall_at"] = e.recall_at;
+  json["recall_at_full_precision"] = e.recall_at_full_precision;
+  json["average_precision"] = e.average_precision;
+  json["descriptors"] = e.descriptors;
+  json["bytes"] = e.bytes;
+  json["median_query_ms"] = e.median_query_ms;
+  json["curve"] = ordered_json::array();
+  for (const slam::PrecisionRecall& p : e.curve)
+    json["curve"].push_back({p.threshold, p.precision, p.recall});
+  return json;
+}
+
+void print_loops(const slam::LoopEvaluation& e, const std::vector<int>& frames) {
+  const auto frame = [&](int row) { return frames[static_cast<std::size_t>(row)]; };
+  fmt::print("loops closed         {:4} of which right {:4}   precision {:6.1f} %\n", e.loops.size(),
+             e.correct_loops(), 100.0 * e.precision());
+  fmt::print("stretches revisited  {:4} with a loop   {:4}   recall    {:6.1f} %\n", e.regions.size(),
+             e.closed_regions(), 100.0 * e.region_recall());
+  fmt::print("keyframes there      {:4} tied together {:4}   recall    {:6.1f} %\n", e.revisited_keyframes,
+             e.tied_keyframes, 100.0 * e.keyframe_recall());
+  for (const slam::RevisitRegion& r : e.regions) {
+    fmt::print("  frames {:5} to {:5} go where {:5} went: {}\n", frame(r.begin), frame(r.end - 1),
+               frame(r.earlier), r.closed ? "closed" : "not closed");
+  }
+  for (const slam::LoopEvaluation::Loop& loop : e.loops) {
+    if (loop.correct) continue;
+    fmt::print("  wrong: frames {} and {} are {:.1f} m and {:.0f} degrees apart\n", frame(loop.frames.frame),
+               frame(loop.frames.earlier), loop.distance, loop.turn * kDegrees);
+  }
+}
+
+void print_index(const slam::PlaceIndexEvaluation& e) {
+  fmt::print(
+      "\nplace index by itself: {} queries, {} revisits; {} descriptors, {:.1f} MB, {:.2f} ms a query\n",
+      e.queries, e.revisits, e.descriptors, static_cast<double>(e.bytes) / 1048576.0, e.median_query_ms);
+  for (std::size_t k = 0; k < e.recall_at.size(); ++k) {
+    fmt::print("  right among the best {}: {:5.1f} %\n", k + 1, 100.0 * e.recall_at[k]);
+  }
+  fmt::print("  recall at precision 100 %: {:.1f} %; average precision {:.3f}\n",
+             100.0 * e.recall_at_full_precision, e.average_precision);
+  // About ten points of the curve.
+  fmt::print("  score      precision    recall\n");
+  double next = 0.1;
+  for (const slam::PrecisionRecall& p : e.curve) {
+    if (p.recall < next && &p != &e.curve.back()) continue;
+    fmt::print("  {:8.3f}   {:7.1f} %  {:6.1f} %\n", p.threshold, 100.0 * p.precision, 100.0 * p.recall);
+    while (next <= p.recall) next += 0.1;
+  }
+}
+
+void run_eval_loops(EvalLoopsOptions options) {
+  options.revisits.largest_turn = options.turn_degrees / kDegrees;
+  Run run = read_run(options.run);
+  const slam::Trajectory truth = true_poses(options, run.frames);
+  std::map<int, int> row_of;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) row_of[run.frames[i]] = static_cast<int>(i);
+  const auto to_row = [&](int& frame) {
+    const auto row = row_of.find(frame);
+    if (row == row_of.end()) {
+      throw InputError(options.run, "frames that frames.json lists", fmt::format("frame {}", frame));
+    }
+    frame = row->second;
+  };
+  for (int& frame : run.keyframes) to_row(frame);
+  for (std::vector<slam::FramePair>* list : {&run.loops, &run.covisible}) {
+    for (slam::FramePair& pair : *list) {
+      to_row(pair.frame);
+      to_row(pair.earlier);
+    }
+  }
+  const slam::LoopEvaluation loops =
+      slam::evaluate_loops(truth, run.loops, run.keyframes, run.covisible, options.revisits);
+  std::optional<slam::PlaceIndexEvaluation> index;
+  if (!options.map.empty()) {
+    const slam::SavedMap saved = slam::read_map(options.map);
+    index = slam::evaluate_place_index(*saved.map, truth, run.frames.empty() ? 0 : run.frames.front(), {},
+                                       options.candidates, options.revisits);
+  }
+  if (options.json) {
+    ordered_json json = loops_json(loops, run.frames);
+    if (index) json["place_index"] = index_json(*index);
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  print_loops(loops, run.frames);
+  if (index) print_index(*index);
+}
+
+}  // namespace
+
+void add_eval_loops_command(CLI::App& app) {
+  const auto options = std::make_shared<EvalLoopsOptions>();
+  CLI::App* command = app.add_subcommand(
+      "eval-loops", "Precision and recall of the loops that a run of `penumbra slam` closed");
+  command->footer(kExamples);
+  command->add_option("run", options->run, "the --out folder of the run")->required();
+  command
+      ->add_option("--groundtruth", options->ground_truth,
+                   "true poses of the whole sequence, KITTI or TUM format")
+      ->required();
+  command->add_option("--map", options->map, "the run's saved map: also evaluate the place index by itself");
+  command
+      ->add_option("--distance", options->revisits.largest_distance,
+                   "metres within which a place is the same")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--turn", options->turn_degrees, "degrees within which it is")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  command
+      ->add_option("--frames-apart", options->revisits.fewest_frames_apart,
+                   "frames before a place counts as seen again")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--candidates", options->candidates, "of the place index for each keyframe")
+      ->check(CLI::Range(1, 20))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "print JSON instead of tables");
+  command->callback([options] { run_eval_loops(*options); });
+}
+
+}  // namespace penumbra::apps
