@@ -15,13 +15,14 @@ namespace {
 
 constexpr int kOut = kWinogradOutput, kIn = kWinogradInput;
 
-// G takes a kernel's 3 numbers to 6.
-constexpr double kRoot2 = 1.41421356237309505;
-constexpr double kG[kIn][3] = {{1, 0, 0},
-                               {-2.0 / 3, -kRoot2 / 3, -1.0 / 3},
-                               {-2.0 / 3, kRoot2 / 3, -1.0 / 3},
-                               {1.0 / 6, kRoot2 / 6, 1.0 / 3},
-                               {1.0 / 6, -kRoot2 / 6, 1.0 / 3},
+// G takes a kernel's 3 numbers to 6: (1, p, p^2) / N_p for each point p.
+constexpr double kA = kWinogradA, kB = kWinogradB, kA2 = kA * kA, kB2 = kB * kB;
+constexpr double kN0 = kA2 * kB2, kNa = 2 * kA2 * (kA2 - kB2), kNb = 2 * kB2 * (kB2 - kA2);
+constexpr double kG[kIn][3] = {{1 / kN0, 0, 0},
+                               {1 / kNa, kA / kNa, kA2 / kNa},
+                               {1 / kNa, -kA / kNa, kA2 / kNa},
+                               {1 / kNb, kB / kNb, kB2 / kNb},
+                               {1 / kNb, -kB / kNb, kB2 / kNb},
                                {0, 0, 1}};
 
 // G g G^T of one kernel.

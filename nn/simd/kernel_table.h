@@ -58,6 +58,8 @@ struct TileKernels {
 constexpr int kWinogradOutput = 4;                                   // m: a tile is 4 x 4 output pixels,
 constexpr int kWinogradInput = kWinogradOutput + 2;                  // made from 6 x 6 input pixels
 constexpr int kWinogradPositions = kWinogradInput * kWinogradInput;  // by 36 products a pair of channels
+// The transforms' points are 0, +-a, +-b and infinity; docs/engine/winograd.md says why these.
+constexpr float kWinogradA = 23.0F / 32.0F, kWinogradB = 23.0F / 16.0F;
 
 // V = B^T d B for `tiles` neighbouring tiles of a row: d are 6 x 6 input pixels, the next tile's 4 pixels on.
 struct WinogradInputArguments {

@@ -10,26 +10,29 @@ namespace {
 
 constexpr int kOut = kWinogradOutput, kIn = kWinogradInput;
 
-// The finite points of the transform besides 0 are +-a and +-b.
-constexpr float kA = 0.707106781F, kB = 1.41421356F;  // sqrt(1/2), sqrt(2)
+// The finite points of the transform besides 0, and their powers; all exact.
+constexpr float kA = kWinogradA, kA2 = kA * kA, kA3 = kA2 * kA;
+constexpr float kB = kWinogradB, kB2 = kB * kB, kB3 = kB2 * kB;
+constexpr float kSum = kA2 + kB2, kProduct = kA2 * kB2;
 
 // o = B^T d:
-//        1      0   -5/2      0      1      0
-//        0  -ab^2   -b^2      a      1      0        a b^2 = sqrt(2),  a^2 b = sqrt(1/2)
-//        0   ab^2   -b^2     -a      1      0
-//        0  -a^2b   -a^2      b      1      0
-//        0   a^2b   -a^2     -b      1      0
-//        0      1      0   -5/2      0      1
+//    a^2b^2     0  -a^2-b^2    0      1      0
+//        0  -ab^2   -b^2       a      1      0
+//        0   ab^2   -b^2      -a      1      0
+//        0  -a^2b   -a^2       b      1      0
+//        0   a^2b   -a^2      -b      1      0
+//        0  a^2b^2     0  -a^2-b^2    0      1
 __attribute__((always_inline)) inline void transform_input(const Vector* d, Vector (&o)[kIn]) {
-  const Vector a(kA), minus_a(-kA), b(kB), minus_b(-kB), minus_a2(-0.5F), minus_b2(-2.0F), minus_5_2(-2.5F);
+  const Vector a(kA), minus_a(-kA), b(kB), minus_b(-kB), minus_a2(-kA2), minus_b2(-kB2), product(kProduct),
+      minus_sum(-kSum);
   const Vector even_a = madd(minus_b2, d[2], d[4]), odd_a = madd(minus_b2, d[1], d[3]);
   const Vector even_b = madd(minus_a2, d[2], d[4]), odd_b = madd(minus_a2, d[1], d[3]);
-  o[0] = madd(minus_5_2, d[2], d[0] + d[4]);
+  o[0] = madd(product, d[0], madd(minus_sum, d[2], d[4]));
   o[1] = madd(a, odd_a, even_a);
   o[2] = madd(minus_a, odd_a, even_a);
   o[3] = madd(b, odd_b, even_b);
   o[4] = madd(minus_b, odd_b, even_b);
-  o[5] = madd(minus_5_2, d[3], d[1] + d[5]);
+  o[5] = madd(product, d[1], madd(minus_sum, d[3], d[5]));
 }
 
 // o = A^T m:
@@ -38,7 +41,7 @@ __attribute__((always_inline)) inline void transform_input(const Vector* d, Vect
 //        0  a^2  a^2  b^2  b^2    0
 //        0  a^3 -a^3  b^3 -b^3    1
 __attribute__((always_inline)) inline void transform_output(const Vector* m, Vector (&o)[kOut]) {
-  const Vector a(kA), a2(0.5F), a3(0.5F * kA), b(kB), b2(2.0F), b3(2.0F * kB);
+  const Vector a(kA), a2(kA2), a3(kA3), b(kB), b2(kB2), b3(kB3);
   const Vector sum_a = m[1] + m[2], difference_a = m[1] - m[2];
   const Vector sum_b = m[3] + m[4], difference_b = m[3] - m[4];
   o[0] = m[0] + (sum_a + sum_b);

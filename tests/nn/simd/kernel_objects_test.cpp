@@ -2,6 +2,7 @@
 // for AVX-512 must not define a function that others may call: an inline function of a header, of which the
 // linker keeps any one copy, would do that. And multiply-adds must be fused, else the kernels run at half
 // their speed.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -28,10 +29,10 @@ std::string output_of(const std::string& command) {
 
 std::vector<std::string> objects(const std::string& target) {
   std::vector<std::string> paths;
-  const std::string folder = PENUMBRA_OBJECTS + ("/" + target) + ".dir";
+  const std::filesystem::path folder = std::filesystem::path(PENUMBRA_OBJECTS) / (target + ".dir");
   if (!std::filesystem::exists(folder)) return paths;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.path().extension() == ".o") paths.push_back("'" + entry.path().string() + "'");
+    if (entry.path().extension() == ".o") paths.push_back(fmt::format("'{}'", entry.path().string()));
   }
   return paths;
 }
