@@ -62,24 +62,31 @@ std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
 
 TrackerSettings tracker_settings(const SlamSettings& settings, const StereoCamera& camera) {
   TrackerSettings tracker = settings.tracker;
-  tracker.close_depth = close_depth(camera, settings.mapper.point_creation);
+  tracker.keyframes.close_depth = close_depth(camera, settings.mapper.point_creation);
   return tracker;
+}
+
+// Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
+SlamSettings with_bundle_threads(SlamSettings settings) {
+  const int threads = std::max(1, settings.deterministic ? settings.threads : settings.threads - 1);
+  settings.mapper.bundle.threads = settings.full_bundle.threads = threads;
+  return settings;
 }
 
 }  // namespace
 
 Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter)
     : camera_(checked(camera)),
-      settings_(settings),
+      settings_(with_bundle_threads(settings)),
       segmenter_(std::move(segmenter)),
       left_orb_(settings.orb),
       right_orb_(settings.orb),
       map_(level_scales(settings.orb.pyramid)),
       index_(settings.index),
-      mapper_(camera_, map_, settings.mapper),
+      mapper_(camera_, map_, settings_.mapper),
       loop_closer_(camera_, map_, index_, settings.loops),
       tracker_(camera_, map_, index_, tracker_settings(settings, camera_), timer_),
-      worker_(camera_, map_, mapper_, loop_closer_, settings.full_bundle, !settings.deterministic) {}
+      worker_(camera_, map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic) {}
 
 FrameResult Slam::process(const StereoImages& images) {
   check_image(images.left, camera_, images.index, "left");
@@ -99,18 +106,13 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   frame.features = features;
   frame.pyramid = &left_orb_.pyramid();
   std::optional<MapWork> work;
-  bool is_first = false;
   {
     const std::shared_lock lock(map_.mutex());
     result.tracking = tracker_.track(frame);
-    is_first = frame.reference == nullptr || result.tracking.starts_submap;
-    result.keyframe = result.tracking.wants_keyframe && (is_first || worker_.accepts());
+    result.keyframe = result.tracking.wants_keyframe;
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
-  if (work) {
-    worker_.submit(std::move(*work));
-    if (is_first) worker_.drain();  // nothing can be tracked before there are points
-  }
+  if (work) worker_.submit(std::move(*work));
 
   result.features = features->size();
   for (int i = 0; i < features->size(); ++i) {
@@ -154,7 +156,7 @@ void Slam::mark_movable(const StereoImages& images, FrameFeatures& features) {
                         settings_.semantics.margin, features.movable);
 }
 
-// `frame` becomes a keyframe, which the worker puts into the map.
+// `frame` becomes a keyframe, which is still to be put into the map.
 MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
   MapWork work;
   work.tracked = frame.points;

@@ -37,8 +37,6 @@ struct KeyFrame {
   // recognised a new sub-map begins, at a guessed pose, until a loop merges it into the older one.
   int submap = 0;
 
-  bool inserted = false;  // part of the map; before, only its pose and features count
-
   // An erased keyframe keeps only its place relative to the keyframe that stands in for it.
   bool erased = false;
   KeyFrame* stand_in = nullptr;

@@ -34,17 +34,21 @@ Descriptor typical_descriptor(const MapPoint& point) {
     return o.keyframe->features->descriptor(o.feature);
   };
   const std::size_t n = point.observations.size();
-  std::vector<int> distances(n);
+  std::vector<int> distances(n * n, 0);  // row by row
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      distances[i * n + j] = distances[j * n + i] =
+          hamming_distance(descriptor(point.observations[i]), descriptor(point.observations[j]));
+    }
+  }
   int best_median = std::numeric_limits<int>::max();
   std::size_t best = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) {
-      distances[j] = hamming_distance(descriptor(point.observations[i]), descriptor(point.observations[j]));
-    }
-    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(n / 2),
-                     distances.end());
-    if (distances[n / 2] < best_median) {
-      best_median = distances[n / 2];
+    const auto row = distances.begin() + static_cast<std::ptrdiff_t>(i * n);
+    const auto middle = row + static_cast<std::ptrdiff_t>(n / 2);
+    std::nth_element(row, middle, row + static_cast<std::ptrdiff_t>(n));
+    if (*middle < best_median) {
+      best_median = *middle;
       best = i;
     }
   }
@@ -72,7 +76,6 @@ std::unique_ptr<KeyFrame> Map::new_keyframe(int frame_index, double timestamp, c
 }
 
 KeyFrame* Map::insert_keyframe(std::unique_ptr<KeyFrame> keyframe) {
-  keyframe->inserted = true;
   keyframes_.push_back(std::move(keyframe));
   active_keyframes_.push_back(keyframes_.back().get());
   return active_keyframes_.back();
@@ -158,6 +161,11 @@ void Map::erase_keyframe(KeyFrame* keyframe) {
 void Map::update_point(MapPoint* point) const {
   if (point->erased || point->observations.empty()) return;
   point->descriptor = typical_descriptor(*point);
+  update_view(point);
+}
+
+void Map::update_view(MapPoint* point) const {
+  if (point->erased || point->observations.empty()) return;
   point->normal.setZero();
   for (const Observation& o : point->observations) {
     point->normal += (point->position - o.keyframe->T_cw.inverse().translation).normalized();

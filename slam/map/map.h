@@ -61,9 +61,10 @@ class Map {
   // Number of a new sub-map (slam/map/keyframe.h); the first is 0.
   int begin_submap() { return ++newest_submap_; }
 
-  // Recomputes a point's descriptor, normal and reference distance after its observations or position
-  // changed.
+  // Recomputes a point's descriptor, normal and reference distance after its observations changed.
   void update_point(MapPoint* point) const;
+  // The same without the descriptor: where only its position or its keyframes' poses have changed.
+  void update_view(MapPoint* point) const;
   // Recomputes a keyframe's edges, on both ends.
   void update_covisibility(KeyFrame* keyframe);
 

@@ -1,6 +1,8 @@
 #include "slam/mapping/bundle_adjustment.h"
 
 #include <algorithm>
+#include <array>
+#include <future>
 #include <limits>
 #include <memory>
 
@@ -16,12 +18,23 @@ constexpr double kNearest = 0.05;    // metres in front of the camera
 constexpr double kBehindCost = 100;  // cost, in gates, of a point behind the camera
 constexpr double kMaxLambda = 1e8;
 
+// What one part of the points contributes to the sums over all.
+struct Part {
+  std::size_t begin = 0, end = 0;  // points
+  double cost = 0.0;
+  std::vector<Matrix6d> U;
+  Eigen::VectorXd g_poses, right;
+};
+
 class Solver {
  public:
-  Solver(const BundleProblem& problem, bool robust) : problem_(problem), robust_(robust) {
+  Solver(const BundleProblem& problem, bool robust, int threads)
+      : problem_(problem),
+        robust_(robust),
+        threads_(problem.observations.size() < kBundleWorthThreads ? 1
+                                                                   : std::clamp(threads, 1, kBundleParts)) {
     for (const char fixed : problem.pose_fixed) slot_.push_back(fixed ? -1 : free_poses_++);
     const std::size_t points = problem.points.size();
-    U_.resize(static_cast<std::size_t>(free_poses_));
     V_.resize(points);
     V_inverse_.resize(points);
     g_points_.resize(points);
@@ -29,66 +42,99 @@ class Solver {
     begin_.assign(points + 1, 0);
     for (const BundleObservation& o : problem.observations) ++begin_[static_cast<std::size_t>(o.point) + 1];
     for (std::size_t j = 1; j < begin_.size(); ++j) begin_[j] += begin_[j - 1];
-    reduced_ = std::make_unique<ReducedCameraSystem>(free_poses_, neighbours());
+    reduced_ = std::make_unique<ReducedCameraSystem>(free_poses_, neighbours(), kBundleParts);
+    // Parts of about equally many observations.
+    const int observations = begin_.back();
+    for (int p = 0; p < kBundleParts; ++p) {
+      const auto first_beyond = [&](int share) {
+        return static_cast<std::size_t>(
+            std::lower_bound(begin_.begin(), begin_.end() - 1, observations / kBundleParts * share) -
+            begin_.begin());
+      };
+      parts_[std::size_t(p)].begin = p == 0 ? 0 : parts_[std::size_t(p) - 1].end;
+      parts_[std::size_t(p)].end = p + 1 == kBundleParts ? points : first_beyond(p + 1);
+    }
   }
 
-  double cost(const std::vector<SE3>& poses, const std::vector<Eigen::Vector3d>& points) const {
-    double sum = 0.0;
-    for (const BundleObservation& o : problem_.observations) {
-      if (!o.active) continue;
-      const PixelMeasurement& z = o.measurement;
-      const Eigen::Vector3d p = poses[std::size_t(o.pose)] * points[std::size_t(o.point)];
-      if (p.z() < kNearest) {
-        sum += kBehindCost * z.gate();
-      } else {
-        sum += huber(reprojection_error(problem_.camera, p, z).squaredNorm() * z.inverse_variance, bound(z))
-                   .cost;
+  double cost(const std::vector<SE3>& poses, const std::vector<Eigen::Vector3d>& points) {
+    for_each_part([&](Part& part, int) {
+      part.cost = 0.0;
+      for (int i = begin_[part.begin]; i < begin_[part.end]; ++i) {
+        const BundleObservation& o = problem_.observations[std::size_t(i)];
+        if (!o.active) continue;
+        const PixelMeasurement& z = o.measurement;
+        const Eigen::Vector3d p = poses[std::size_t(o.pose)] * points[std::size_t(o.point)];
+        part.cost += p.z() < kNearest
+                         ? kBehindCost * z.gate()
+                         : huber(reprojection_error(problem_.camera, p, z).squaredNorm() * z.inverse_variance,
+                                 bound(z))
+                               .cost;
       }
-    }
+    });
+    double sum = 0.0;
+    for (const Part& part : parts_) sum += part.cost;
     return sum;
   }
 
   // U, V, W and the gradients at the problem's present state.
   void linearize() {
-    std::fill(U_.begin(), U_.end(), Matrix6d::Zero());
+    for_each_part([&](Part& part, int) {
+      part.U.assign(static_cast<std::size_t>(free_poses_), Matrix6d::Zero());
+      part.g_poses = Eigen::VectorXd::Zero(6 * free_poses_);
+      for (std::size_t j = part.begin; j < part.end; ++j) {
+        V_[j].setZero();
+        g_points_[j].setZero();
+        for (int i = begin_[j]; i < begin_[j + 1]; ++i) linearize(static_cast<std::size_t>(i), j, part);
+      }
+    });
+    U_.assign(static_cast<std::size_t>(free_poses_), Matrix6d::Zero());
     g_poses_ = Eigen::VectorXd::Zero(6 * free_poses_);
-    for (std::size_t j = 0; j < V_.size(); ++j) {
-      V_[j].setZero();
-      g_points_[j].setZero();
-      for (int i = begin_[j]; i < begin_[j + 1]; ++i) linearize(static_cast<std::size_t>(i), j);
+    for (const Part& part : parts_) {
+      for (std::size_t a = 0; a < U_.size(); ++a) U_[a] += part.U[a];
+      g_poses_ += part.g_poses;
     }
   }
 
   // Solves the damped equations; false where they are singular.
   bool solve(double lambda, BundleStep& step) {
-    reduced_->set_zero();
+    for_each_part([&](Part& part, int number) {
+      reduced_->set_zero(number);
+      part.right = Eigen::VectorXd::Zero(6 * free_poses_);
+      for (std::size_t j = part.begin; j < part.end; ++j) eliminate(j, lambda, part, number);
+    });
     Eigen::VectorXd right = -g_poses_, dx;
+    for (const Part& part : parts_) right += part.right;
     for (int a = 0; a < free_poses_; ++a) {
       Matrix6d U = U_[std::size_t(a)];
       U.diagonal() *= 1.0 + lambda;
-      reduced_->block(a, a) = U;
+      reduced_->block(a, a) += U;
     }
-    for (std::size_t j = 0; j < V_.size(); ++j) eliminate(j, lambda, right);
     if (!reduced_->solve(right, dx)) return false;
 
     step.poses.assign(slot_.size(), Vector6d::Zero());
     for (std::size_t i = 0; i < slot_.size(); ++i) {
       if (slot_[i] >= 0) step.poses[i] = dx.segment<6>(6 * slot_[i]);
     }
-    step.points.assign(V_.size(), Eigen::Vector3d::Zero());
-    for (std::size_t j = 0; j < V_.size(); ++j) {
-      Eigen::Vector3d sum = g_points_[j];
-      for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
-        const int a = free_slot(static_cast<std::size_t>(i));
-        if (a >= 0) sum.noalias() += W_[std::size_t(i)].transpose() * dx.segment<6>(6 * a);
-      }
-      step.points[j] = -(V_inverse_[j] * sum);
-      if (!step.points[j].allFinite()) return false;
-    }
-    return true;
+    step.points.resize(V_.size());
+    for_each_part([&](Part& part, int) {
+      for (std::size_t j = part.begin; j < part.end; ++j) step.points[j] = point_step(j, dx);
+    });
+    return std::all_of(step.points.begin(), step.points.end(),
+                       [](const Eigen::Vector3d& X) { return X.allFinite(); });
   }
 
  private:
+  template <typename Work>
+  void for_each_part(Work&& work) {
+    const auto share = [&](int thread) {
+      for (int p = thread; p < kBundleParts; p += threads_) work(parts_[static_cast<std::size_t>(p)], p);
+    };
+    std::vector<std::future<void>> others;
+    for (int t = 1; t < threads_; ++t) others.push_back(std::async(std::launch::async, share, t));
+    share(0);
+    for (std::future<void>& other : others) other.get();
+  }
+
   double bound(const PixelMeasurement& z) const {
     return robust_ ? z.gate() : std::numeric_limits<double>::infinity();
   }
@@ -100,7 +146,7 @@ class Solver {
     return o.active ? slot_[std::size_t(o.pose)] : -1;
   }
 
-  void linearize(std::size_t i, std::size_t j) {
+  void linearize(std::size_t i, std::size_t j, Part& part) {
     const BundleObservation& o = problem_.observations[i];
     W_[i].setZero();
     if (!o.active) return;
@@ -117,8 +163,8 @@ class Solver {
     const int a = slot_[std::size_t(o.pose)];
     if (a < 0) return;
     const Eigen::Matrix<double, 3, 6> J_pose = pose_jacobian(J_pi, p);
-    U_[std::size_t(a)].noalias() += weight * J_pose.transpose() * J_pose;
-    g_poses_.segment<6>(6 * a).noalias() += weight * J_pose.transpose() * e;
+    part.U[std::size_t(a)].noalias() += weight * J_pose.transpose() * J_pose;
+    part.g_poses.segment<6>(6 * a).noalias() += weight * J_pose.transpose() * e;
     W_[i].noalias() = weight * J_pose.transpose() * J_point;
   }
 
@@ -150,7 +196,7 @@ class Solver {
   }
 
   // Takes point j out of the equations of the poses.
-  void eliminate(std::size_t j, double lambda, Eigen::VectorXd& right) {
+  void eliminate(std::size_t j, double lambda, Part& part, int number) {
     Eigen::Matrix3d V = V_[j];
     V.diagonal() *= 1.0 + lambda;
     // A direction that nothing measures (a point that is not seen, say) stays where it is.
@@ -160,16 +206,27 @@ class Solver {
       const int a = free_slot(std::size_t(i));
       if (a < 0) continue;
       const Matrix63 Y = W_[std::size_t(i)] * V_inverse_[j];
-      right.segment<6>(6 * a).noalias() += Y * g_points_[j];
+      part.right.segment<6>(6 * a).noalias() += Y * g_points_[j];
       for (int k = begin_[j]; k < begin_[j + 1]; ++k) {
         const int b = free_slot(std::size_t(k));
-        if (b >= a) reduced_->block(a, b).noalias() -= Y * W_[std::size_t(k)].transpose();
+        if (b >= a) reduced_->block(a, b, number).noalias() -= Y * W_[std::size_t(k)].transpose();
       }
     }
   }
 
+  // dX of point j, given dx.
+  Eigen::Vector3d point_step(std::size_t j, const Eigen::VectorXd& dx) const {
+    Eigen::Vector3d sum = g_points_[j];
+    for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
+      const int a = free_slot(static_cast<std::size_t>(i));
+      if (a >= 0) sum.noalias() += W_[std::size_t(i)].transpose() * dx.segment<6>(6 * a);
+    }
+    return -(V_inverse_[j] * sum);
+  }
+
   const BundleProblem& problem_;
   const bool robust_;
+  const int threads_;
   int free_poses_ = 0;
   std::vector<int> slot_;   // pose -> place among the free ones; -1 where it is fixed
   std::vector<int> begin_;  // point -> its first observation; one more at the end
@@ -177,6 +234,7 @@ class Solver {
   std::vector<Eigen::Matrix3d> V_, V_inverse_;
   std::vector<Matrix63> W_;  // per observation
   std::unique_ptr<ReducedCameraSystem> reduced_;
+  std::array<Part, kBundleParts> parts_;
   Eigen::VectorXd g_poses_;
   std::vector<Eigen::Vector3d> g_points_;
 };
@@ -184,7 +242,7 @@ class Solver {
 }  // namespace
 
 BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings) {
-  Solver solver(problem, settings.robust);
+  Solver solver(problem, settings.robust, settings.threads);
   BundleSummary summary;
   summary.initial_cost = summary.final_cost = solver.cost(problem.poses, problem.points);
   double lambda = settings.initial_lambda;
@@ -224,7 +282,7 @@ BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& setting
 }
 
 BundleStep bundle_step(const BundleProblem& problem, bool robust, double lambda) {
-  Solver solver(problem, robust);
+  Solver solver(problem, robust, 1);
   solver.linearize();
   BundleStep step;
   if (!solver.solve(lambda, step)) return {};

@@ -12,6 +12,8 @@
 //   (U - W V^-1 W^T) dx = -g_x + W V^-1 g_X,        dX = -V^-1 (g_X + W^T dx)
 //
 // Damping: the diagonals of U and V are multiplied by 1 + lambda. Perturbation T <- exp(dx) T on the left.
+// Several threads share the points of a large problem, in kBundleParts parts whose sums are added in a fixed
+// order: the result is the same for any number of threads, to the last bit.
 // Cost of an iteration: O(observations * observations per point) for the elimination, O((6 poses)^3) to
 // solve, or much less where poses share points with few others (reduced_camera_system.h). Source: Triggs et
 // al., Bundle Adjustment - A Modern Synthesis (2000), section 6; Lourakis, Argyros, SBA (2009).
@@ -23,6 +25,10 @@
 #include "slam/geometry/reprojection.h"
 
 namespace penumbra::slam {
+
+inline constexpr int kBundleParts = 4;
+// Observations from which on threads are worth their start: a few milliseconds an iteration.
+inline constexpr std::size_t kBundleWorthThreads = 20000;
 
 struct BundleObservation {
   int pose = 0, point = 0;  // indices
@@ -40,7 +46,8 @@ struct BundleProblem {
 
 struct BundleSettings {
   int iterations = 10;  // at most
-  bool robust = true;   // Huber kernel with the chi-square gate as its bound
+  int threads = 1;
+  bool robust = true;  // Huber kernel with the chi-square gate as its bound
   double initial_lambda = 1e-5;
   double converged = 1e-4;                  // relative decrease of the cost that ends the iterations
   const std::atomic<bool>* stop = nullptr;  // set by somebody else: no further iteration begins

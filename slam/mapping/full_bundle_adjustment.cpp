@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "slam/features/measurement.h"
+#include "slam/mapping/newcomers.h"
 
 namespace penumbra::slam {
 
 FullBundleAdjustment::FullBundleAdjustment(const StereoCamera& camera, const Map& map, int submap,
                                            const FullBundleSettings& settings)
-    : submap_(submap), settings_(settings) {
+    : settings_(settings) {
   problem_.camera = camera;
   std::unordered_map<const KeyFrame*, int> pose_of;
   for (KeyFrame* keyframe : map.keyframes()) {
@@ -48,6 +50,7 @@ bool FullBundleAdjustment::within_gate(const BundleObservation& o) const {
 void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
   BundleSettings pass;
   pass.iterations = settings_.robust_iterations;
+  pass.threads = settings_.threads;
   pass.stop = stop;
   report_.robust = solve_bundle(problem_, pass);
   report_.stopped = stop != nullptr && stop->load();
@@ -60,46 +63,36 @@ void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
 }
 
 void FullBundleAdjustment::apply(Map& map) {
-  // Where every keyframe was, for what is not in the problem and moves along.
-  std::unordered_map<const KeyFrame*, SE3> before;
-  for (const KeyFrame* keyframe : map.keyframes()) before[keyframe] = keyframe->T_cw;
-  std::unordered_map<const MapPoint*, bool> adjusted;
+  PosesBefore before;
+  std::unordered_set<const MapPoint*> adjusted;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-    if (!keyframes_[i]->erased) keyframes_[i]->T_cw = problem_.poses[i];
-  }
-  const int newest = keyframes_.empty() ? -1 : keyframes_.back()->id;
-  for (KeyFrame* keyframe : map.keyframes()) {
-    if (keyframe->submap != submap_ || keyframe->id <= newest) continue;
-    // Added since: keeps its place relative to its closest older neighbour.
-    const KeyFrame* stand = keyframes_.back();
-    for (const Covisible& c : keyframe->covisibles) {
-      if (c.keyframe->id < keyframe->id && c.keyframe->submap == submap_) {
-        stand = c.keyframe;
-        break;
-      }
-    }
-    if (!stand->erased) keyframe->T_cw = keyframe->T_cw * before[stand].inverse() * stand->T_cw;
+    if (keyframes_[i]->erased) continue;
+    before[keyframes_[i]] = keyframes_[i]->T_cw;
+    keyframes_[i]->T_cw = problem_.poses[i];
   }
   for (std::size_t j = 0; j < points_.size(); ++j) {
     if (points_[j]->erased) continue;
     points_[j]->position = problem_.points[j];
-    adjusted[points_[j]] = true;
+    adjusted.insert(points_[j]);
   }
+  // What is not in the problem moves along with a keyframe that sees it.
   for (const auto& point : map.points()) {
     if (point->erased || point->observations.empty() || adjusted.count(point.get()) > 0) continue;
-    const KeyFrame* keyframe = point->observations.front().keyframe;
-    if (keyframe->submap != submap_) continue;
-    point->position = keyframe->T_cw.inverse() * (before[keyframe] * point->position);
+    const auto seen_by = before.find(point->observations.front().keyframe);
+    if (seen_by == before.end()) continue;
+    point->position = seen_by->first->T_cw.inverse() * (seen_by->second * point->position);
   }
+  move_newcomers(map, keyframes_.empty() ? -1 : keyframes_.back()->id, before);
   for (const BundleObservation& o : problem_.observations) {
     if (report_.stopped || within_gate(o)) continue;
     MapPoint* point = points_[static_cast<std::size_t>(o.point)];
     if (point->erased) continue;
     map.remove_observation(point, keyframes_[static_cast<std::size_t>(o.pose)]);
+    map.update_point(point);
     ++report_.removed_observations;
   }
   for (const auto& point : map.points()) {
-    if (!point->erased) map.update_point(point.get());
+    map.update_view(point.get());
   }
 }
 

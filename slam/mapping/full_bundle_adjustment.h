@@ -5,7 +5,7 @@
 // Points with a single observation say nothing about poses and move along with their keyframe.
 //
 // The numbers are copied out of the map, adjusted, and copied back, so that a thread may adjust while the map
-// grows: solve() touches no map. Keyframes that were added meanwhile move with the neighbour they stand on.
+// grows: solve() touches no map. Keyframes that were added meanwhile move along (newcomers.h).
 // What is stopped half-way can be applied, for no iteration makes the errors larger; but no observation
 // leaves the map for it, since what does not fit yet may fit in the end. Cost: about 1 s an iteration for 500
 // keyframes and 60000 points.
@@ -22,6 +22,7 @@ namespace penumbra::slam {
 struct FullBundleSettings {
   int robust_iterations = 10;  // at most, with the Huber kernel
   int iterations = 10;         // at most, without
+  int threads = 1;
 };
 
 struct FullBundleReport {
@@ -44,7 +45,6 @@ class FullBundleAdjustment {
  private:
   bool within_gate(const BundleObservation& observation) const;
 
-  int submap_ = 0;
   FullBundleSettings settings_;
   BundleProblem problem_;
   std::vector<KeyFrame*> keyframes_;  // of the problem's poses

@@ -5,6 +5,7 @@
 
 #include "slam/features/measurement.h"
 #include "slam/mapping/bundle_adjustment.h"
+#include "slam/mapping/newcomers.h"
 
 namespace penumbra::slam {
 
@@ -95,7 +96,8 @@ bool within_gate(const BundleProblem& problem, const BundleObservation& o) {
 
 LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
                                       const LocalBundleSettings& settings,
-                                      std::unique_lock<std::shared_mutex>* lock) {
+                                      std::unique_lock<std::shared_mutex>* lock,
+                                      const std::atomic<bool>* stop) {
   const Window window = choose_window(centre, settings);
   BundleProblem problem = make_problem(camera, window, map.scales());
   LocalBundleReport report;
@@ -104,28 +106,40 @@ LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* cent
   report.points = static_cast<int>(window.points.size());
   report.observations = static_cast<int>(problem.observations.size());
   if (window.keyframes.size() < 2) return report;
+  KeyFrame* newest = map.keyframes().back();
 
   if (lock != nullptr) lock->unlock();
   BundleSettings pass;
   pass.iterations = settings.robust_iterations;
+  pass.threads = settings.threads;
+  pass.stop = stop;
   solve_bundle(problem, pass);
-  for (BundleObservation& o : problem.observations) o.active = within_gate(problem, o);
-  pass.iterations = settings.iterations;
-  pass.robust = false;
-  solve_bundle(problem, pass);
+  const auto stopped = [&] { return stop != nullptr && stop->load(std::memory_order_relaxed); };
+  report.stopped = stopped();
+  if (!report.stopped) {
+    for (BundleObservation& o : problem.observations) o.active = within_gate(problem, o);
+    pass.iterations = settings.iterations;
+    pass.robust = false;
+    solve_bundle(problem, pass);
+    report.stopped = stopped();
+  }
 
   if (lock != nullptr) lock->lock();
+  PosesBefore before;
   for (std::size_t i = 0; i < window.keyframes.size(); ++i) {
+    before[window.keyframes[i]] = window.keyframes[i]->T_cw;
     if (!problem.pose_fixed[i]) window.keyframes[i]->T_cw = problem.poses[i];
   }
   for (std::size_t j = 0; j < window.points.size(); ++j) window.points[j]->position = problem.points[j];
+  move_newcomers(map, newest->id, before);
   for (const BundleObservation& o : problem.observations) {
-    if (within_gate(problem, o)) continue;
-    map.remove_observation(window.points[static_cast<std::size_t>(o.point)],
-                           window.keyframes[static_cast<std::size_t>(o.pose)]);
+    if (report.stopped || within_gate(problem, o)) continue;
+    MapPoint* point = window.points[static_cast<std::size_t>(o.point)];
+    map.remove_observation(point, window.keyframes[static_cast<std::size_t>(o.pose)]);
+    map.update_point(point);
     ++report.removed_observations;
   }
-  for (MapPoint* point : window.points) map.update_point(point);
+  for (MapPoint* point : window.points) map.update_view(point);
   return report;
 }
 

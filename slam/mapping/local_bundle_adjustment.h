@@ -7,6 +7,7 @@
 // Source: Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section VI-D.
 #pragma once
 
+#include <atomic>
 #include <mutex>
 #include <shared_mutex>
 
@@ -20,16 +21,21 @@ struct LocalBundleSettings {
   int border = 20;            // fixed keyframes at most; those that share the most points with the window
   int robust_iterations = 5;  // at most, with the Huber kernel
   int iterations = 5;         // at most, without
+  int threads = 1;
 };
 
 struct LocalBundleReport {
   int free_keyframes = 0, fixed_keyframes = 0, points = 0, observations = 0, removed_observations = 0;
+  bool stopped = false;  // before its end
 };
 
 // `lock`, where there is one, holds the map's mutex; it is let go while nothing of the map is touched, which
-// is nearly all the time. Others may add observations meanwhile, but not erase.
+// is nearly all the time. Others may add keyframes, points and observations meanwhile, but not erase;
+// keyframes that were added move along with their neighbours (newcomers.h). It ends after the iteration in
+// which `stop` is set, and takes what it has reached; then no observation leaves the map.
 LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
                                       const LocalBundleSettings& settings,
-                                      std::unique_lock<std::shared_mutex>* lock = nullptr);
+                                      std::unique_lock<std::shared_mutex>* lock = nullptr,
+                                      const std::atomic<bool>* stop = nullptr);
 
 }  // namespace penumbra::slam

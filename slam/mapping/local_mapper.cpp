@@ -26,16 +26,20 @@ int weight_of(const MapPoint& point) {
 
 }  // namespace
 
-void LocalMapper::process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked,
-                          const std::vector<char>& aligned) {
-  std::unique_lock lock(map_.mutex());
+void LocalMapper::insert(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked,
+                         const std::vector<char>& aligned) {
   connect(keyframe, tracked, aligned);
-  cull_recent_points(*keyframe);
   create_stereo_points(camera_, keyframe, map_, settings_.point_creation);
+  renew_patches(keyframe);
+}
+
+void LocalMapper::process(KeyFrame* keyframe, const std::atomic<bool>* hurry) {
+  std::unique_lock lock(map_.mutex());
+  cull_recent_points(*keyframe);
   triangulate_with_neighbours(camera_, keyframe, map_, settings_.point_creation);
   fuse_with_neighbours(keyframe);
-  renew_patches(keyframe);
-  adjust_local_bundle(camera_, keyframe, map_, settings_.bundle, &lock);
+  give_patches(keyframe);
+  adjust_local_bundle(camera_, keyframe, map_, settings_.bundle, &lock, hurry);
   cull_keyframes(*keyframe);
 }
 
@@ -51,14 +55,17 @@ void LocalMapper::connect(KeyFrame* keyframe, const std::vector<MapPoint*>& trac
 }
 
 void LocalMapper::cull_recent_points(const KeyFrame& newest) {
-  // The points are in the order of their ids, and so of their keyframes.
+  // The points are in the order of their ids, and nearly so of their keyframes: one that was inserted
+  // meanwhile may have made some before this one's were triangulated.
   const auto& points = map_.points();
   auto at = std::lower_bound(points.begin(), points.end(), first_unproven_,
                              [](const std::unique_ptr<MapPoint>& p, int id) { return p->id < id; });
+  bool all_proven = true;
   for (; at != points.end(); ++at) {
     MapPoint* point = at->get();
     const int age = newest.id - point->first_keyframe;
-    if (age >= kProbation && first_unproven_ <= point->id) first_unproven_ = point->id + 1;
+    all_proven = all_proven && age >= kProbation;
+    if (all_proven) first_unproven_ = point->id + 1;
     if (point->erased) continue;
     const bool seldom_found = point->found_ratio() < settings_.least_found_ratio;
     const bool seldom_seen = age >= kProbation - 1 && weight_of(*point) < kLeastWeight;
@@ -91,6 +98,17 @@ void LocalMapper::renew_patches(KeyFrame* keyframe) {
     if (!keyframe->aligned[i] && !point->patch.empty() && point->patch_depth < kNearer * depth) continue;
     point->patch = (*keyframe->patches)[i];
     point->patch_depth = depth;
+  }
+}
+
+// The points that the keyframe has got since it was inserted; the others may show how newer ones see them.
+void LocalMapper::give_patches(KeyFrame* keyframe) {
+  if (!keyframe->patches) return;
+  for (std::size_t i = 0; i < keyframe->points.size(); ++i) {
+    MapPoint* point = keyframe->points[i];
+    if (point == nullptr || !point->patch.empty()) continue;
+    point->patch = (*keyframe->patches)[i];
+    point->patch_depth = (keyframe->T_cw * point->position).z();
   }
   keyframe->patches.reset();
 }

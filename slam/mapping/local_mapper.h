@@ -1,14 +1,15 @@
 // Takes keyframes from the tracker and keeps the map around them good.
 //
-//   connect the keyframe to the points it was tracked with -> remove points that proved bad -> new points
-//   (stereo, triangulation) -> fuse duplicates with the neighbours -> local bundle adjustment -> remove
-//   redundant keyframes
+//   insert:   connect the keyframe to the points it was tracked with -> new points from its stereo depth
+//   process:  remove points that proved bad -> triangulate new ones -> fuse duplicates with the neighbours
+//             -> local bundle adjustment -> remove redundant keyframes
 //
-// It runs in line with the tracker now. process() needs nothing but the keyframe and the map, so it can move
-// to a thread of its own behind a queue. Source: Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section
-// VI.
+// insert() is quick (2 ms), and all that the next frame needs; process() takes ten times as long and may run
+// in another thread, keyframe after keyframe, while more are inserted (slam/mapping/map_worker.h). Source:
+// Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section VI.
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "slam/map/map.h"
@@ -30,13 +31,19 @@ class LocalMapper {
   LocalMapper(const StereoCamera& camera, Map& map, const LocalMapperSettings& settings)
       : camera_(camera), map_(map), settings_(settings) {}
 
-  // `tracked`: per feature the point that the tracker found there, or nullptr; `aligned`: 1 where it found
-  // the point's patch, too.
-  void process(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked, const std::vector<char>& aligned);
+  // `keyframe` is of the map; `tracked`: per feature the point that the tracker found there, or nullptr;
+  // `aligned`: 1 where it found the point's patch, too. Needs the map's lock alone.
+  void insert(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked, const std::vector<char>& aligned);
+
+  // To be called for every keyframe in the order of their insertion; locks the map while it changes it.
+  // `hurry`, where there is one, is set by somebody else when other keyframes wait: then the bundle
+  // adjustment ends with the iteration that it is in.
+  void process(KeyFrame* keyframe, const std::atomic<bool>* hurry = nullptr);
 
  private:
   void connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked, const std::vector<char>& aligned);
   void renew_patches(KeyFrame* keyframe);
+  void give_patches(KeyFrame* keyframe);
   void cull_recent_points(const KeyFrame& newest);
   void fuse_with_neighbours(KeyFrame* keyframe);
   void cull_keyframes(const KeyFrame& newest);

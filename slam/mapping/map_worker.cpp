@@ -27,28 +27,23 @@ MapWorker::~MapWorker() {
   stop_adjustment();
 }
 
-bool MapWorker::accepts() const {
-  const std::lock_guard lock(mutex_);
-  return queue_.size() < kLongestQueue;
-}
-
 void MapWorker::submit(MapWork work) {
   if (!threaded_) {
-    process(std::move(work));
+    process(insert(std::move(work)));
     return;
   }
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kLongestPause, [&] { return failure_ || queue_.size() < kLongestQueue; });
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-    queue_.push_back(std::move(work));
+  }
+  KeyFrame* keyframe = insert(std::move(work));
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.push_back(keyframe);
+    hurry_ = queue_.size() >= kHurry;
   }
   changed_.notify_all();
-}
-
-void MapWorker::drain() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return failure_ || (queue_.empty() && !working_); });
-  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void MapWorker::finish() {
@@ -65,10 +60,11 @@ void MapWorker::run() {
     if (ending_) return;
     working_ = true;
     const bool apply = std::exchange(adjusted_, false);
-    MapWork work;
+    KeyFrame* keyframe = nullptr;
     if (!apply) {
-      work = std::move(queue_.front());
+      keyframe = queue_.front();
       queue_.pop_front();
+      hurry_ = queue_.size() >= kHurry;
     }
     lock.unlock();
     std::exception_ptr failure;
@@ -76,7 +72,7 @@ void MapWorker::run() {
       if (apply) {
         apply_adjustment();
       } else {
-        process(std::move(work));
+        process(keyframe);
       }
     } catch (...) {
       failure = std::current_exception();
@@ -89,27 +85,35 @@ void MapWorker::run() {
   }
 }
 
-void MapWorker::process(MapWork work) {
+StageTimer MapWorker::take_times() {
+  timer_.merge(std::exchange(insertion_timer_, {}));
+  return std::exchange(timer_, {});
+}
+
+KeyFrame* MapWorker::insert(MapWork work) {
+  const auto scope = insertion_timer_.measure("keyframe_insertion");
+  const std::unique_lock lock(map_.mutex());
   KeyFrame* keyframe = work.keyframe.get();
-  {
-    const std::unique_lock lock(map_.mutex());
-    if (work.reference != nullptr) {
-      // Meanwhile the sub-map may have become part of another.
-      const KeyFrame* stand_in = work.reference;
-      while (stand_in->erased) stand_in = stand_in->stand_in;
-      keyframe->submap = stand_in->submap;
-      const SE3 now = current_pose(*work.reference);
-      if (now.rotation != work.reference_T_cw.rotation ||
-          now.translation != work.reference_T_cw.translation) {
-        keyframe->T_cw = keyframe->T_cw * work.reference_T_cw.inverse() * now;
-      }
+  if (work.reference != nullptr) {
+    // Since it was located the sub-map may have become part of another.
+    const KeyFrame* stand_in = work.reference;
+    while (stand_in->erased) stand_in = stand_in->stand_in;
+    keyframe->submap = stand_in->submap;
+    const SE3 now = current_pose(*work.reference);
+    if (now.rotation != work.reference_T_cw.rotation || now.translation != work.reference_T_cw.translation) {
+      keyframe->T_cw = keyframe->T_cw * work.reference_T_cw.inverse() * now;
     }
-    for (MapPoint*& point : work.tracked) point = present(point);
-    map_.insert_keyframe(std::move(work.keyframe));
   }
+  for (MapPoint*& point : work.tracked) point = present(point);
+  map_.insert_keyframe(std::move(work.keyframe));
+  mapper_.insert(keyframe, work.tracked, work.aligned);
+  return keyframe;
+}
+
+void MapWorker::process(KeyFrame* keyframe) {
   {
     const auto scope = timer_.measure("mapping");
-    mapper_.process(keyframe, work.tracked, work.aligned);
+    mapper_.process(keyframe, threaded_ ? &hurry_ : nullptr);
   }
   std::optional<ClosedLoop> closed;
   {
@@ -123,12 +127,6 @@ void MapWorker::process(MapWork work) {
 void MapWorker::collect_erased() {
   if (adjustment_) return;  // refers to points that may have been erased since
   const std::unique_lock lock(map_.mutex());
-  {
-    const std::lock_guard queue_lock(mutex_);
-    for (MapWork& work : queue_) {
-      for (MapPoint*& point : work.tracked) point = present(point);
-    }
-  }
   map_.collect_erased();
 }
 

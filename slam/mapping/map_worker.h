@@ -1,15 +1,18 @@
 // Builds the map beside the tracker: takes keyframes in order, maps them, closes loops, adjusts the whole
 // map.
 //
-//   tracker -> keyframe -> queue -> [ local mapper -> loop closer ]   the worker's thread
-//                                          loop closed -> [ full bundle adjustment ]   a third thread,
-//                                          applied by the worker between two keyframes
+//   keyframe -> into the map, with its stereo points                    the tracker's thread
+//            -> queue -> [ local mapper -> loop closer ]                the worker's thread
+//                           loop closed -> [ full bundle adjustment ]   a third thread,
+//                           applied by the worker between two keyframes
 //
 // In line (threaded = false) everything is done before submit() returns, in the caller's thread: results
-// repeat bit for bit. Threaded, the tracker reads the map under Map::mutex() shared, and waits only while
-// the worker holds it alone: to add points and to take over what an adjustment has found, never while one is
-// computed. Only the worker changes the map's structure, so what it holds stays valid while it has let go of
-// the lock.
+// repeat bit for bit. Threaded, the tracker has the new points at once, as in line, and waits only while the
+// worker holds Map::mutex() alone: to add points and to take over what an adjustment has found, never while
+// one is computed. Where keyframes come faster than the worker can follow, it first ends its local bundle
+// adjustments early (kHurry), and then the tracker waits before it adds one more (kLongestQueue), for
+// kLongestPause at most. The tracker only adds to the map; the worker alone erases, so what it holds stays
+// valid while it has let go of the lock.
 //
 // A full bundle adjustment is stopped when another loop closes, and begun anew on the map as it is then. At
 // the end of a run it is waited for, but no longer than kLongestWait: then it is stopped and what it has
@@ -53,24 +56,22 @@ class MapWorker {
   MapWorker(const MapWorker&) = delete;
   MapWorker& operator=(const MapWorker&) = delete;
 
-  // Whether the worker keeps up: a keyframe more would not wait long.
-  bool accepts() const;
-  // Rethrows what an earlier keyframe's work has thrown.
+  // On return the keyframe is in the map. Rethrows what an earlier keyframe's work has thrown.
   void submit(MapWork work);
-  // Waits until every keyframe is mapped.
-  void drain();
-  // Waits until the whole map is adjusted, too.
+  // Waits until every keyframe is mapped and the whole map adjusted.
   void finish();
 
-  // The times of the worker's stages so far, which it then forgets. Only after finish().
-  StageTimer take_times() { return std::exchange(timer_, {}); }
+  // The times of the stages so far, which are then forgotten. Only after finish().
+  StageTimer take_times();
 
  private:
-  static constexpr std::size_t kLongestQueue = 3;
+  static constexpr std::size_t kHurry = 1, kLongestQueue = 3;  // keyframes that wait
+  static constexpr std::chrono::milliseconds kLongestPause{50};
   static constexpr std::chrono::seconds kLongestWait{20};
 
   void run();
-  void process(MapWork work);
+  KeyFrame* insert(MapWork work);
+  void process(KeyFrame* keyframe);
   void collect_erased();
   void adjust_whole_map(int submap);
   void apply_adjustment();
@@ -82,11 +83,12 @@ class MapWorker {
   LoopCloser& loop_closer_;
   const FullBundleSettings full_bundle_;
   const bool threaded_;
-  StageTimer timer_;
+  StageTimer timer_, insertion_timer_;  // of the worker's thread and of the caller's
 
   mutable std::mutex mutex_;         // of what follows
   std::condition_variable changed_;  // of any of it
-  std::deque<MapWork> queue_;
+  std::deque<KeyFrame*> queue_;
+  std::atomic<bool> hurry_{false};  // the queue is long
   bool working_ = false, adjusting_ = false, ending_ = false;
   std::exception_ptr failure_;
 

@@ -5,10 +5,10 @@
 
 namespace penumbra::slam {
 
-ReducedCameraSystem::ReducedCameraSystem(int poses, std::vector<std::vector<int>> neighbours)
+ReducedCameraSystem::ReducedCameraSystem(int poses, std::vector<std::vector<int>> neighbours, int parts)
     : poses_(poses), sparse_(poses > kDensePoses), columns_(std::move(neighbours)) {
   if (!sparse_) {
-    dense_.resize(6 * poses, 6 * poses);
+    dense_.assign(static_cast<std::size_t>(parts), Eigen::MatrixXd(6 * poses, 6 * poses));
     columns_.clear();
     return;
   }
@@ -28,12 +28,13 @@ ReducedCameraSystem::ReducedCameraSystem(int poses, std::vector<std::vector<int>
       }
     }
   }
-  blocks_.resize(static_cast<std::size_t>(first_block_.back()));
+  blocks_.assign(static_cast<std::size_t>(parts),
+                 std::vector<Matrix6d>(static_cast<std::size_t>(first_block_.back())));
   matrix_.resize(6 * poses, 6 * poses);
   matrix_.setFromTriplets(entries.begin(), entries.end());
   cholesky_.analyzePattern(matrix_);
   // A block's rows lie one after the other in each of its columns.
-  value_of_block_.reserve(6 * blocks_.size());
+  value_of_block_.reserve(6 * static_cast<std::size_t>(first_block_.back()));
   for (int a = 0; a < poses; ++a) {
     for (const int b : columns_[static_cast<std::size_t>(a)]) {
       for (int c = 0; c < 6; ++c) {
@@ -46,36 +47,41 @@ ReducedCameraSystem::ReducedCameraSystem(int poses, std::vector<std::vector<int>
   }
 }
 
-void ReducedCameraSystem::set_zero() {
+void ReducedCameraSystem::set_zero(int part) {
   if (sparse_) {
-    for (Matrix6d& block : blocks_) block.setZero();
+    for (Matrix6d& block : blocks_[static_cast<std::size_t>(part)]) block.setZero();
   } else {
-    dense_.setZero();
+    dense_[static_cast<std::size_t>(part)].setZero();
   }
 }
 
-Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> ReducedCameraSystem::block(int a, int b) {
-  if (!sparse_) return dense_.block<6, 6>(6 * a, 6 * b);
+Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> ReducedCameraSystem::block(int a, int b, int part) {
+  if (!sparse_) return dense_[static_cast<std::size_t>(part)].block<6, 6>(6 * a, 6 * b);
   const std::vector<int>& row = columns_[static_cast<std::size_t>(a)];
   const auto at = std::lower_bound(row.begin(), row.end(), b) - row.begin();
-  return blocks_[static_cast<std::size_t>(first_block_[static_cast<std::size_t>(a)] + at)];
+  return blocks_[static_cast<std::size_t>(part)]
+                [static_cast<std::size_t>(first_block_[static_cast<std::size_t>(a)] + at)];
 }
 
 bool ReducedCameraSystem::solve(const Eigen::VectorXd& right, Eigen::VectorXd& dx) {
   dx = Eigen::VectorXd::Zero(6 * poses_);
   if (poses_ == 0) return true;
   if (!sparse_) {
-    const Eigen::LDLT<Eigen::MatrixXd, Eigen::Upper> factor(dense_);
+    for (std::size_t p = 1; p < dense_.size(); ++p) dense_.front() += dense_[p];
+    const Eigen::LDLT<Eigen::MatrixXd, Eigen::Upper> factor(dense_.front());
     if (factor.info() != Eigen::Success) return false;
     dx = factor.solve(right);
     return dx.allFinite();
+  }
+  for (std::size_t p = 1; p < blocks_.size(); ++p) {
+    for (std::size_t b = 0; b < blocks_[p].size(); ++b) blocks_.front()[b] += blocks_[p][b];
   }
   std::size_t block = 0, value = 0;
   for (int a = 0; a < poses_; ++a) {
     for (const int b : columns_[static_cast<std::size_t>(a)]) {
       for (int c = 0; c < 6; ++c) {
         double* values = matrix_.valuePtr() + value_of_block_[value++];
-        for (int r = 0; r <= (a == b ? c : 5); ++r) values[r] = blocks_[block](r, c);
+        for (int r = 0; r <= (a == b ? c : 5); ++r) values[r] = blocks_.front()[block](r, c);
       }
       ++block;
     }

@@ -5,6 +5,9 @@
 // shares points with a few dozen others: beyond kDensePoses poses only the blocks that occur are stored, and
 // the factor is Eigen's sparse Cholesky with a fill-reducing order (AMD), found once. Cost for n poses with a
 // band of m blocks: O(n m^2) instead of O(n^3); memory O(n m) instead of O(n^2).
+//
+// S is a sum over points. Several threads can form it, each its own part; the parts are added in their order,
+// so that the result does not depend on who was first.
 // Source: Triggs et al., Bundle Adjustment - A Modern Synthesis (2000), section 6.2.
 #pragma once
 
@@ -22,24 +25,25 @@ class ReducedCameraSystem {
 
   // `neighbours[a]`: the poses b >= a that share a point with a, a itself included; in any order, repetitions
   // allowed. Only read where the system is sparse.
-  explicit ReducedCameraSystem(int poses, std::vector<std::vector<int>> neighbours = {});
+  explicit ReducedCameraSystem(int poses, std::vector<std::vector<int>> neighbours = {}, int parts = 1);
 
   bool sparse() const { return sparse_; }
-  void set_zero();
+  void set_zero(int part = 0);
   // Block (a, b) of the upper triangle, a <= b; of the pairs that were announced.
-  Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> block(int a, int b);
-  // False where S is not positive definite to working precision.
+  Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> block(int a, int b, int part = 0);
+  // Of the sum of all parts, which is then in the first. False where S is not positive definite to working
+  // precision.
   bool solve(const Eigen::VectorXd& right, Eigen::VectorXd& dx);
 
  private:
   int poses_ = 0;
   bool sparse_ = false;
-  Eigen::MatrixXd dense_;
-  std::vector<std::vector<int>> columns_;  // per row, ascending
-  std::vector<int> first_block_;           // per row, its first block in blocks_
-  std::vector<Matrix6d> blocks_;
-  Eigen::SparseMatrix<double> matrix_;  // upper triangle, by columns
-  std::vector<int> value_of_block_;     // per block and column of it, where its values begin in matrix_
+  std::vector<Eigen::MatrixXd> dense_;         // per part
+  std::vector<std::vector<int>> columns_;      // per row, ascending
+  std::vector<int> first_block_;               // per row, its first block in blocks_
+  std::vector<std::vector<Matrix6d>> blocks_;  // per part
+  Eigen::SparseMatrix<double> matrix_;         // upper triangle, by columns
+  std::vector<int> value_of_block_;  // per block and column of it, where its values begin in matrix_
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper> cholesky_;
 };
 

@@ -35,7 +35,9 @@ TrackingReport Tracker::track(Frame& frame) {
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
   }
   finish(frame, located.success);
-  report.wants_keyframe = sharp_enough(frame, located.success && wants_keyframe(frame, located.inliers));
+  report.wants_keyframe = sharp_enough(
+      frame,
+      located.success && becomes_keyframe(frame, *reference_, frames_since_keyframe_, settings_.keyframes));
   if (lost_with_view_ >= settings_.lost_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
@@ -85,7 +87,7 @@ void Tracker::refresh_last_frame() {
   if (last_.reference != nullptr) last_.T_cw = last_.T_c_reference * current_pose(*last_.reference);
   if (state_ == TrackingState::tracking) previous_T_cw_ = last_.T_cw;
   // The mapper has made points of the frame's features.
-  if (last_keyframe_ != nullptr && last_keyframe_->inserted && !last_keyframe_->erased) {
+  if (last_keyframe_ != nullptr && !last_keyframe_->erased) {
     last_.points = last_keyframe_->points;
   }
   for (MapPoint*& point : last_.points) point = present(point);
@@ -323,26 +325,6 @@ int Tracker::keep_agreeing(Frame& frame, std::span<const PoseObservation> observ
     }
   }
   return kept;
-}
-
-bool Tracker::wants_keyframe(const Frame& frame, int inliers) const {
-  if (frames_since_keyframe_ >= settings_.longest_keyframe_gap) return true;
-  int close_tracked = 0, close_untracked = 0;
-  for (int i = 0; i < frame.features->size(); ++i) {
-    const float depth = frame.features->depth[static_cast<std::size_t>(i)];
-    if (depth < 0.0F || depth > settings_.close_depth || frame.features->is_movable(i)) continue;
-    ++(frame.points[static_cast<std::size_t>(i)] != nullptr ? close_tracked : close_untracked);
-  }
-  if (close_tracked < settings_.fewest_close_tracked && close_untracked > settings_.most_close_untracked)
-    return true;
-
-  // Points of the reference that have proved themselves.
-  const std::size_t fewest_views = map_.keyframes().size() > 2 ? 3 : 2;
-  int reference_points = 0;
-  for (const MapPoint* point : reference_->points) {
-    reference_points += point != nullptr && point->observations.size() >= fewest_views;
-  }
-  return inliers < settings_.keyframe_share * reference_points;
 }
 
 // Whether the frame becomes the keyframe that is wanted, if one is.

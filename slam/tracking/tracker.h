@@ -20,6 +20,7 @@
 #include "slam/features/sharpness.h"
 #include "slam/map/map.h"
 #include "slam/tracking/frame.h"
+#include "slam/tracking/keyframe_choice.h"
 #include "slam/tracking/motion_model.h"
 #include "slam/tracking/pose_optimizer.h"
 #include "slam/tracking/recognition.h"
@@ -39,13 +40,7 @@ struct TrackerSettings {
   int local_keyframes = 20;          // whose points make the local map
   RecognitionSettings recognition;   // of a lost frame
   int lost_before_restart = 5;       // lost frames with enough points after which a new sub-map begins
-  // A keyframe is made when the frame sees less than this share of the points of its reference keyframe ...
-  double keyframe_share = 0.75;
-  // ... or tracks few close points although many could be made, or after this many frames.
-  int fewest_close_tracked = 100;
-  int most_close_untracked = 70;
-  int longest_keyframe_gap = 20;
-  double close_depth = 20.0;  // metres; up to which stereo depth counts as close
+  KeyframeSettings keyframes;        // which frames become one
   // A frame below this share of the usual sharpness (slam/features/sharpness.h) leaves it to one of the next
   // frames to become the keyframe; 0: no blur test.
   double least_sharpness = 0.0;
@@ -77,7 +72,8 @@ class Tracker {
   // Locates `frame` (its features are given): fills pose, points and reference.
   TrackingReport track(Frame& frame);
 
-  // Tells that the last frame tracked has become `keyframe`, which need not be part of the map yet.
+  // Tells that the last frame tracked has become `keyframe`, which is in the map when the next one is
+  // tracked.
   void set_keyframe(KeyFrame* keyframe);
 
  private:
@@ -103,7 +99,6 @@ class Tracker {
   std::vector<Projection> project_last_frame(const SE3& T_cw) const;
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
-  bool wants_keyframe(const Frame& frame, int inliers) const;
   bool sharp_enough(const Frame& frame, bool wanted);
   void finish(Frame& frame, bool located);
 

@@ -145,6 +145,26 @@ TEST(BundleAdjustment, NeverRaisesTheCostAndKeepsFixedPoses) {
   }
 }
 
+TEST(BundleAdjustment, IsTheSameForAnyNumberOfThreads) {
+  BundleProblem problem = make_problem(8, 3400, 0.5);
+  disturb(problem);
+  ASSERT_GE(problem.observations.size(), kBundleWorthThreads);
+  BundleSettings settings;
+  settings.iterations = 2;
+  BundleProblem alone = problem;
+  const BundleSummary summary = solve_bundle(alone, settings);
+  for (const int threads : {2, 3, 16}) {
+    settings.threads = threads;
+    BundleProblem shared = problem;
+    EXPECT_EQ(solve_bundle(shared, settings).final_cost, summary.final_cost);
+    for (std::size_t i = 0; i < alone.poses.size(); ++i) {
+      ASSERT_EQ(shared.poses[i].translation, alone.poses[i].translation) << threads;
+      ASSERT_EQ(shared.poses[i].rotation, alone.poses[i].rotation) << threads;
+    }
+    for (std::size_t j = 0; j < alone.points.size(); ++j) ASSERT_EQ(shared.points[j], alone.points[j]);
+  }
+}
+
 TEST(BundleAdjustment, TakesUnseenPointsPointsBehindAndNothingAtAll) {
   BundleProblem problem = make_problem(3, 10, 0.2);
   problem.points.push_back({1.0, 2.0, 3.0});  // nobody sees it
