@@ -1,6 +1,7 @@
 #include "slam/tracking/tracker.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slam/features/descriptor_matcher.h"
 #include "slam/features/measurement.h"
@@ -23,7 +24,7 @@ TrackingReport Tracker::track(Frame& frame) {
 
   refresh_last_frame();
   const SE3 predicted = motion_.predict(previous_T_cw_, previous_time_, frame.timestamp);
-  Located located = locate_by_prediction(frame, predicted, report);
+  Located located = locate_by_last_frame(frame, predicted, report);
   if (!located.success) {
     located = recognise(frame);
     if (located.success) located = locate_in_local_map(frame);
@@ -97,9 +98,12 @@ void Tracker::refresh_last_frame() {
   map_.readers_let_go();
 }
 
-// Every feature of the last frame whose place in space is known.
+// Every feature of the last frame whose place in space is known, on the level on which its size by now puts
+// it.
 std::vector<Projection> Tracker::project_last_frame(const SE3& T_cw) const {
   const FrameFeatures& features = *last_.features;
+  const int highest = static_cast<int>(map_.scales().size()) - 1;
+  const double step = highest > 0 ? std::log(map_.scales()[1]) : 1.0;
   std::vector<Projection> projections;
   for (int i = 0; i < features.size(); ++i) {
     const std::optional<Eigen::Vector3d> point = last_point(i);
@@ -109,8 +113,11 @@ std::vector<Projection> Tracker::project_last_frame(const SE3& T_cw) const {
     const Keypoint& k = features.keypoint(i);
     const Eigen::Vector3d pixel = camera_.project_stereo(p);
     if (!camera_.in_image(pixel.head<2>())) continue;
+    const double nearer = (last_.T_cw * *point).norm() / p.norm();
+    const int level =
+        std::clamp(k.level + static_cast<int>(std::lround(std::log(nearer) / step)), 0, highest);
     projections.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
-                           static_cast<float>(pixel.z()), k.level, k.angle, &features.descriptor(i), i});
+                           static_cast<float>(pixel.z()), level, k.angle, &features.descriptor(i), i});
   }
   return projections;
 }
@@ -162,14 +169,22 @@ std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
   return optimize_pose(camera_, pnp->T_cw, observations).T_cw;
 }
 
-// Around the predicted pose: first against the last frame that was located, in a narrow and then a wide
-// window, then against the map.
-Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
+// Around the predicted pose; where the motion is not known, or not what was predicted, around what the last
+// frame's looks say.
+Tracker::Located Tracker::locate_by_last_frame(Frame& frame, const SE3& predicted, TrackingReport& report) {
   if (last_.features == nullptr) return {};  // in a map that was loaded nothing came before
-  const std::optional<SE3> start = motion_.known() ? predicted : pose_from_last_frame(frame);
-  if (!start) return {};
+  if (motion_.known()) {
+    const Located located = locate_around(frame, predicted, report);
+    if (located.success) return located;
+  }
+  const std::optional<SE3> start = pose_from_last_frame(frame);
+  return start ? locate_around(frame, *start, report) : Located{};
+}
+
+// First against the last frame that was located, in a narrow and then a wide window, then against the map.
+Tracker::Located Tracker::locate_around(Frame& frame, const SE3& start, TrackingReport& report) {
   for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
-    frame.T_cw = *start;
+    frame.T_cw = start;
     Located located = locate_from_last_frame(frame, radius, report);
     report.frame_inliers = located.inliers;
     if (located.success) located = locate_in_local_map(frame);
@@ -233,7 +248,8 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   const std::vector<PoseObservation> observations = refine_observations(frame);
   const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
   const int inliers = keep_agreeing(frame, observations, estimate);
-  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
+  // What the last frame alone knows can hold the pose, too, until this one is a keyframe.
+  if (inliers + agreeing_unmapped(frame, estimate) < settings_.fewest_map_inliers) return {false, inliers};
   frame.T_cw = estimate.T_cw;
   for (MapPoint* point : frame.points) {
     if (point != nullptr) ++point->found;
@@ -299,6 +315,21 @@ std::vector<PoseObservation> Tracker::refine_observations(Frame& frame) const {
             refine(u.feature, u.point, (*last_.patches)[last], last_.features->depth[last]));
   }
   return observations;
+}
+
+// How many of the close points that the last frame alone knows agree with the pose.
+int Tracker::agreeing_unmapped(const Frame& frame, const PoseEstimate& estimate) const {
+  int agreeing = 0;
+  for (const Unmapped& u : unmapped_) {
+    const Eigen::Vector3d p = estimate.T_cw * u.point;
+    if (frame.points[static_cast<std::size_t>(u.feature)] != nullptr || !(p.z() > 0.0) ||
+        p.z() > settings_.keyframes.close_depth) {
+      continue;
+    }
+    const PixelMeasurement z = measurement_of(*frame.features, u.feature, map_.scales());
+    agreeing += reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
+  }
+  return agreeing;
 }
 
 // Lets go of the points that do not agree with the pose; returns how many stay. An aligned feature that

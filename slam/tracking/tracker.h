@@ -36,7 +36,7 @@ struct TrackerSettings {
   float map_search_radius = 4.0F;    // around a projection with the frame's own pose
   int fewest_initial_points = 50;    // stereo points that the first frame needs
   int fewest_frame_inliers = 20;     // of the match to the last frame
-  int fewest_map_inliers = 20;       // of the match to the local map
+  int fewest_map_inliers = 20;       // of the match to the local map and to what the last frame alone knows
   int local_keyframes = 20;          // whose points make the local map
   RecognitionSettings recognition;   // of a lost frame
   int lost_before_restart = 5;       // lost frames with enough points after which a new sub-map begins
@@ -86,7 +86,8 @@ class Tracker {
   bool start(Frame& frame);
   void remember(Frame& frame);
   void refresh_last_frame();
-  Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
+  Located locate_by_last_frame(Frame& frame, const SE3& predicted, TrackingReport& report);
+  Located locate_around(Frame& frame, const SE3& start, TrackingReport& report);
   std::optional<Eigen::Vector3d> last_point(int i) const;
   std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
@@ -96,6 +97,7 @@ class Tracker {
   std::vector<PoseObservation> refine_observations(Frame& frame) const;
   int keep_agreeing(Frame& frame, std::span<const PoseObservation> observations,
                     const PoseEstimate& estimate) const;
+  int agreeing_unmapped(const Frame& frame, const PoseEstimate& estimate) const;
   std::vector<Projection> project_last_frame(const SE3& T_cw) const;
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
