@@ -22,6 +22,7 @@
 #include "nn/io/image_file.h"
 #include "slam/datasets/open_dataset.h"
 #include "slam/datasets/prefetcher.h"
+#include "slam/evaluation/association.h"
 #include "slam/evaluation/trajectory_plot.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/map/ply.h"
@@ -35,6 +36,9 @@ constexpr const char* kExamples = R"(Examples:
   penumbra slam kitti --sequence 00 --out out/00
   penumbra slam kitti --sequence 06 --frames 0:50 --filter off --out out/06
   penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
+  penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
+  penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
+  penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
 
 Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), keyframes_tum.txt (the
 keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
@@ -42,7 +46,9 @@ loops, errors against the ground truth), frames.json (the same frame by frame), 
 
 struct SlamOptions {
   std::string dataset, out, sequence, frames, weights, classes;
-  std::string format = "auto", filter = "adaptive", loops = "on";
+  std::string format = "auto", images = "auto", filter = "adaptive", loops = "on";
+  int step = 1;
+  std::optional<double> frame_rate;
   bool no_segmentation = false, deterministic = false;
   int features = 0, threads = omp_get_max_threads(), segment_every = 1;
 };
@@ -65,6 +71,11 @@ class InterruptGuard {
 std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
   if (options.no_segmentation || options.weights.empty()) return std::nullopt;
   return load_network(options.weights, options.classes, slam_network_config());
+}
+
+slam::DatasetCameras parse_cameras(const std::string& images) {
+  if (images == "grey") return slam::DatasetCameras::grey;
+  return images == "colour" ? slam::DatasetCameras::colour : slam::DatasetCameras::automatic;
 }
 
 slam::SlamSettings make_settings(const SlamOptions& options) {
@@ -105,23 +116,32 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
   return {};
 }
 
-// The ground truth of the frames that were processed, moved so that it starts where the estimate starts.
-slam::Trajectory ground_truth_in_estimate(const slam::StereoDataset& dataset,
-                                          const slam::Trajectory& estimate) {
-  if (!dataset.ground_truth() || estimate.empty()) return {};
-  slam::Trajectory truth(dataset.ground_truth()->begin(),
-                         dataset.ground_truth()->begin() + static_cast<std::ptrdiff_t>(estimate.size()));
-  const slam::SE3 moved = estimate.front().T_wc * truth.front().T_wc.inverse();
-  for (slam::TimedPose& pose : truth) pose.T_wc = moved * pose.T_wc;
-  return truth;
+// Ground truth and estimate of the frames that have both, the ground truth moved so that it starts where the
+// estimate starts.
+slam::TrajectoryPair pair_with_ground_truth(const slam::StereoDataset& dataset,
+                                            const slam::Trajectory& estimate) {
+  slam::TrajectoryPair pair;
+  if (!dataset.ground_truth()) return pair;
+  std::size_t at = 0;
+  for (const slam::TimedPose& pose : *dataset.ground_truth()) {  // with the frames' own times
+    while (at < estimate.size() && estimate[at].timestamp < pose.timestamp) ++at;
+    if (at == estimate.size()) break;
+    if (estimate[at].timestamp != pose.timestamp) continue;
+    pair.reference.push_back(pose);
+    pair.estimate.push_back(estimate[at]);
+  }
+  if (pair.reference.empty()) return pair;
+  const slam::SE3 moved = pair.estimate.front().T_wc * pair.reference.front().T_wc.inverse();
+  for (slam::TimedPose& pose : pair.reference) pose.T_wc = moved * pose.T_wc;
+  return pair;
 }
 
-std::optional<slam::Evaluation> evaluate(const slam::Trajectory& truth, const slam::Trajectory& estimate) {
-  if (truth.size() < 2) return std::nullopt;
+std::optional<slam::Evaluation> evaluate(const slam::TrajectoryPair& pair) {
+  if (pair.reference.size() < 2) return std::nullopt;
   slam::EvaluationOptions options;
   // Short pieces have no segment of a hundred metres.
-  if (slam::path_length(truth) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
-  return slam::evaluate_trajectory(truth, estimate, options);
+  if (slam::path_length(pair.reference) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
+  return slam::evaluate_trajectory(pair.reference, pair.estimate, options);
 }
 
 // Pieces of the map that nothing ties to the first stand where they were guessed.
@@ -138,8 +158,9 @@ void warn_of_pieces(const slam::Slam& slam) {
 void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                    const slam::Slam& slam, SlamRun& run) {
   const slam::Trajectory estimate = slam.trajectory();
-  const slam::Trajectory truth = ground_truth_in_estimate(dataset, estimate);
-  run.evaluation = evaluate(truth, estimate);
+  const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
+  const slam::Trajectory& truth = pair.reference;
+  run.evaluation = evaluate(pair);
   if (!estimate.empty()) {
     slam::write_kitti_poses(out / "trajectory_kitti.txt", estimate);
     slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
@@ -181,9 +202,13 @@ void run_slam(const SlamOptions& options) {
   dataset_options.format = slam::parse_dataset_format(options.format);
   dataset_options.sequence = options.sequence;
   if (!options.frames.empty()) dataset_options.frames = slam::parse_frame_range(options.frames);
+  dataset_options.step = options.step;
+  dataset_options.cameras = parse_cameras(options.images);
+  dataset_options.frame_rate = options.frame_rate;
 
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset, dataset_options);
   run.dataset = dataset->name();
+  for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset, note);
   const std::optional<LoadedNetwork> loaded = find_network(options);
   const slam::Segmenter segmenter = loaded ? make_segmenter(*loaded) : slam::Segmenter();
   run.segmentation = loaded.has_value();
@@ -213,16 +238,25 @@ void run_slam(const SlamOptions& options) {
 void add_slam_command(CLI::App& app) {
   const auto options = std::make_shared<SlamOptions>();
   CLI::App* command =
-      app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo sequence");
+      app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
   command->footer(kExamples);
   command->add_option("dataset", options->dataset, "folder of the sequence")->required();
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   command->add_option("--format", options->format, "layout of the dataset")
-      ->check(CLI::IsMember({"auto", "kitti"}))
+      ->check(CLI::IsMember({"auto", "kitti", "euroc", "tum", "folder"}))
       ->capture_default_str();
+  command->add_option("--images", options->images, "which images to read")
+      ->check(CLI::IsMember({"auto", "grey", "colour"}))
+      ->capture_default_str();
+  command->add_option("--rate", options->frame_rate, "frames a second, where the dataset has no times")
+      ->check(CLI::PositiveNumber)
+      ->type_name("HZ");
   command->add_option("--sequence", options->sequence,
                       "which one, where the folder holds several, such as 00");
   command->add_option("--frames", options->frames, "A:B, frames A to B-1 only");
+  command->add_option("--step", options->step, "take every n-th frame, as a slower camera would")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_option("--weights", options->weights,
                       "Mask R-CNN weights: features on movable things are left out");
   command->add_option("--classes", options->classes,

@@ -7,6 +7,7 @@
 #include <shared_mutex>
 
 #include "nn/base/error.h"
+#include "slam/features/depth_measurement.h"
 #include "slam/semantics/movable.h"
 
 namespace penumbra::slam {
@@ -33,6 +34,13 @@ void check_image(const cv::Mat& image, const StereoCamera& camera, int index, co
                    fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
                    fmt::format("{}x{} with {} channels, depth code {}", image.cols, image.rows,
                                image.channels(), image.depth()));
+}
+
+void check_depth(const cv::Mat& depth, const StereoCamera& camera, int index) {
+  if (depth.cols == camera.width && depth.rows == camera.height && depth.type() == CV_32FC1) return;
+  throw InputError(fmt::format("frame {}, depth", index),
+                   fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
+                   fmt::format("{}x{} of type {}", depth.cols, depth.rows, depth.type()));
 }
 
 cv::Mat to_grey(const cv::Mat& image) {
@@ -83,7 +91,11 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
 
 FrameResult Slam::process(const StereoImages& images) {
   check_image(images.left, camera_, images.index, "left");
-  check_image(images.right, camera_, images.index, "right");
+  if (images.depth.empty()) {
+    check_image(images.right, camera_, images.index, "right");
+  } else {
+    check_depth(images.depth, camera_, images.index);
+  }
   const auto scope = timer_.measure("frame");
   const std::shared_ptr<FrameFeatures> features = measure(images);
   mark_movable(images, *features);
@@ -122,22 +134,33 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   return result;
 }
 
+// Features of the left image, and where each would be seen from the right: by matching, or by its depth.
 std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   auto measured = std::make_shared<FrameFeatures>();
-  const cv::Mat left = to_grey(images.left), right = to_grey(images.right);
-  Features right_features;
-  {
-    const auto scope = timer_.measure("orb");
-    const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
-    std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_features); });
-    left_orb_.extract(left, measured->left);
-    right_done.get();
-  }
-  const auto scope = timer_.measure("stereo");
+  const cv::Mat left = to_grey(images.left);
   StereoMatches stereo;
-  match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
-  stereo_order_.check(images.index, camera_, measured->left, right_features, left_orb_.pyramid(),
-                      right_orb_.pyramid(), stereo);
+  if (images.depth.empty()) {
+    const cv::Mat right = to_grey(images.right);
+    Features right_features;
+    {
+      const auto scope = timer_.measure("orb");
+      const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
+      std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_features); });
+      left_orb_.extract(left, measured->left);
+      right_done.get();
+    }
+    const auto scope = timer_.measure("stereo");
+    match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
+    stereo_order_.check(images.index, camera_, measured->left, right_features, left_orb_.pyramid(),
+                        right_orb_.pyramid(), stereo);
+  } else {
+    {
+      const auto scope = timer_.measure("orb");
+      left_orb_.extract(left, measured->left);
+    }
+    const auto scope = timer_.measure("stereo");
+    measure_depth(camera_, measured->left, images.depth, stereo);
+  }
   measured->u_right = std::move(stereo.u_right);
   measured->depth = std::move(stereo.depth);
   measured->movable.assign(measured->left.keypoints.size(), 0);

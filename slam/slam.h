@@ -1,4 +1,5 @@
-// The SLAM pipeline: stereo pairs go in, one after the other; a trajectory and a map come out.
+// The SLAM pipeline: stereo pairs, or images with their depth, go in, one after the other; a trajectory and a
+// map come out.
 //
 //   Slam slam(dataset.camera(), settings);
 //   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
@@ -69,8 +70,8 @@ class Slam {
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // Takes the next pair; grey or colour, of the camera's size (InputError otherwise, and where the first
-  // pairs show that left and right are exchanged).
+  // Takes the next pair, or the next image with its depth; grey or colour, of the camera's size (InputError
+  // otherwise, and where the first pairs show that left and right are exchanged).
   FrameResult process(const StereoImages& images);
   // The same for a frame whose features were found elsewhere, without the image.
   FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features);

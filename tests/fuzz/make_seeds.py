@@ -266,12 +266,59 @@ def map_files():
     yield "bad_torn", file(two, [])[:-3]
 
 
+def camera_files():
+    rectified = "fx: 70\nfy: 70\ncx: 40\ncy: 30\nbaseline: 0.12\n"
+    lens = "  fx: 70\n  fy: 70\n  cx: 40\n  cy: 30\n  distortion: [-0.3, 0.1, 0.0, 0.0]\n"
+    raw = f"rectified: false\nwidth: 80\nheight: 60\nleft:\n{lens}right:\n{lens}"
+    motion = "T_right_left: [1, 0, 0, -0.1,\n  0, 1, 0, 0,\n  0, 0, 1, 0]\n"
+    euroc = ("%YAML:1.0\nT_BS:\n  cols: 4\n  data: [0, -1, 0, 0.1, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+             "resolution: [752, 480]\nintrinsics: [458.6, 457.3, 367.2, 248.4] #fu\ndistortion_model: radial-tangential\n"
+             "distortion_coefficients: [-0.28, 0.07, 0.0002, 1.7e-05]\n")
+    yield "valid_rectified", (rectified + "colour: true\nrate: 10\n").encode()
+    yield "valid_raw", (raw + motion).encode()
+    yield "valid_rgbd", (rectified + "sensor: rgbd\ndepth_factor: 5000\n").encode()
+    yield "valid_rows", (raw + "T_right_left:\n- [1, 0, 0, -0.1]\n- [0, 1, 0, 0]\n- [0, 0, 1, 0]\n").encode()
+    yield "valid_euroc", euroc.encode()
+    yield "bad_empty", b""
+    yield "bad_zero_focal_length", rectified.replace("70", "0").encode()
+    yield "bad_nan", rectified.replace("40", "nan").encode()
+    yield "bad_no_motion", raw.encode()
+    yield "bad_motion", (raw + motion.replace("[1", "[3")).encode()
+    yield "bad_open_list", euroc.replace("0, 1]", "0, 1").encode()
+    yield "bad_size", euroc.replace("752", "1e9").encode()
+    yield "bad_twice", (rectified + rectified).encode()
+    yield "bad_tab", b"left:\n\tfx: 1\n"
+    yield "bad_deep", "".join(" " * d + "k:\n" for d in range(50)).encode()
+    yield "bad_not_text", bytes(range(256))
+
+
+def image_lists():
+    yield "valid_tum", b"# timestamp filename\n1305031102.175304 rgb/1305031102.175304.png\n1305031102.3 rgb/2.png\n"
+    yield "valid_euroc", b"#timestamp [ns],filename\r\n1403715273262142976,1403715273262142976.png\r\n"
+    yield "bad_empty", b"# nothing\n"
+    yield "bad_out_of_folder", b"1.5 ../../a.png\n"
+    yield "bad_absolute", b"1,/a.png\n"
+    yield "bad_back", b"2 a.png\n1 b.png\n"
+    yield "bad_time", b"nan a.png\n"
+    yield "bad_no_name", b"5\n"
+
+
+def euroc_ground_truths():
+    yield "valid_two", b"#t,x,y,z,w,x,y,z\n1403636580838555648,4.6,-1.7,0.78,1,0,0,0,0.1\n1403636580843555648,4,1,0,0,1,0,0\n"
+    yield "bad_empty", b"#t\n"
+    yield "bad_quaternion", b"1,0,0,0,2,0,0,0\n"
+    yield "bad_columns", b"1,0,0,0,1\n"
+    yield "bad_back", b"2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"
+    yield "bad_nan", b"1,nan,0,0,1,0,0,0\n"
+
+
 def write_all(out):
     seeds = {"pickle": pickles, "torch_zip": zips, "torch_legacy": legacy, "safetensors": safetensors_files,
              "coco_rle": codes, "image_container": images, "image_file": images_for_the_decoder, "number_file": number_files,
              "kitti_calibration": calibrations, "trajectory": trajectories, "class_names": class_lists,
              "frame_range": frame_ranges, "coco_annotations": coco_annotation_files,
-             "coco_results": coco_result_files, "map_file": map_files}
+             "coco_results": coco_result_files, "map_file": map_files,
+             "camera_file": camera_files, "image_list": image_lists, "euroc_ground_truth": euroc_ground_truths}
     for target, make in seeds.items():
         folder = out / target
         folder.mkdir(parents=True, exist_ok=True)
