@@ -25,6 +25,7 @@
 #include "slam/evaluation/association.h"
 #include "slam/evaluation/trajectory_plot.h"
 #include "slam/geometry/trajectory_io.h"
+#include "slam/map/map_file.h"
 #include "slam/map/ply.h"
 #include "slam/slam.h"
 
@@ -39,17 +40,20 @@ constexpr const char* kExamples = R"(Examples:
   penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
   penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
+  penumbra slam monday --save-map yard.map --out out/monday
+  penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
+  penumbra slam wednesday --load-map yard.map --localise --out out/wednesday           only find the way in it
 
-Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), keyframes_tum.txt (the
-keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
+Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
+trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
 loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
 
 struct SlamOptions {
-  std::string dataset, out, sequence, frames, weights, classes;
+  std::string dataset, out, sequence, frames, weights, classes, save_map, load_map;
   std::string format = "auto", images = "auto", filter = "adaptive", loops = "on";
   int step = 1;
   std::optional<double> frame_rate;
-  bool no_segmentation = false, deterministic = false;
+  bool no_segmentation = false, deterministic = false, localise = false;
   int features = 0, threads = omp_get_max_threads(), segment_every = 1;
 };
 
@@ -84,9 +88,18 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
   settings.loops.enabled = options.loops == "on";
   settings.semantics.interval = options.segment_every;
+  settings.localise = options.localise;
   settings.threads = options.threads;
   settings.deterministic = options.deterministic;
   return settings;
+}
+
+// The map of --load-map; nothing where none is asked for.
+std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::StereoCamera& camera) {
+  if (options.load_map.empty()) return nullptr;
+  slam::SavedMap saved = slam::read_map(options.load_map);
+  slam::require_same_camera(saved.camera, camera, options.load_map);
+  return std::move(saved.map);
 }
 
 // Runs until the end, Ctrl-C or the first frame that cannot be read; returns what stopped it, empty at the
@@ -114,6 +127,15 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
     }
   }
   return {};
+}
+
+// Poses of the frames that were located.
+slam::Trajectory located(const slam::Slam& slam) {
+  slam::Trajectory all = slam.trajectory(), located;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (slam.results()[i].tracking.state == slam::TrackingState::tracking) located.push_back(all[i]);
+  }
+  return located;
 }
 
 // Ground truth and estimate of the frames that have both, the ground truth moved so that it starts where the
@@ -148,6 +170,7 @@ std::optional<slam::Evaluation> evaluate(const slam::TrajectoryPair& pair) {
 void warn_of_pieces(const slam::Slam& slam) {
   const std::vector<slam::SubmapSummary> submaps = slam.submaps();
   for (std::size_t i = 1; i < submaps.size(); ++i) {
+    if (submaps[i].frames == 0) continue;  // of a map that was loaded
     spdlog::warn(
         "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
         "frames are right relative to each other, where they are is a guess",
@@ -157,15 +180,17 @@ void warn_of_pieces(const slam::Slam& slam) {
 
 void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                    const slam::Slam& slam, SlamRun& run) {
-  const slam::Trajectory estimate = slam.trajectory();
+  const slam::Trajectory estimate = located(slam);
   const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
   const slam::Trajectory& truth = pair.reference;
   run.evaluation = evaluate(pair);
-  if (!estimate.empty()) {
-    slam::write_kitti_poses(out / "trajectory_kitti.txt", estimate);
+  if (!slam.results().empty()) {
+    slam::write_kitti_poses(out / "trajectory_kitti.txt", slam.trajectory());
     slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
     slam::write_tum_trajectory(out / "keyframes_tum.txt", slam.keyframe_trajectory());
-    if (!truth.empty()) slam::write_kitti_poses(out / "ground_truth_kitti.txt", truth);
+    if (!truth.empty()) slam::write_tum_trajectory(out / "ground_truth_tum.txt", truth);
+  }
+  if (!estimate.empty()) {
     slam::TrajectoryPlotOptions plot;
     plot.title = dataset.name();
     nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
@@ -212,14 +237,19 @@ void run_slam(const SlamOptions& options) {
   const std::optional<LoadedNetwork> loaded = find_network(options);
   const slam::Segmenter segmenter = loaded ? make_segmenter(*loaded) : slam::Segmenter();
   run.segmentation = loaded.has_value();
-  const std::filesystem::path out = options.out;
+  std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
+  const std::filesystem::path save_folder = std::filesystem::path(options.save_map).parent_path();
   std::error_code error;
+  if (!save_folder.empty() && !std::filesystem::is_directory(save_folder, error)) {
+    throw InputError(save_folder.string(), "a folder for the map", "none");
+  }
+  const std::filesystem::path out = options.out;
   std::filesystem::create_directories(out, error);
   if (error) throw Error(fmt::format("{}: cannot be made: {}", out.string(), error.message()));
 
   omp_set_num_threads(run.settings.threads);
   cv::setNumThreads(1);  // the frames' two images are the parallel work
-  slam::Slam slam(dataset->camera(), run.settings, segmenter);
+  slam::Slam slam(dataset->camera(), run.settings, segmenter, std::move(map));
   const double cpu_before = process_usage().cpu_seconds;
   run.error = process_frames(*dataset, slam);
   slam.finish();
@@ -229,6 +259,7 @@ void run_slam(const SlamOptions& options) {
   warn_of_pieces(slam);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(out, *dataset, slam, run);
+  if (!options.save_map.empty()) slam::write_map(options.save_map, dataset->camera(), slam.map());
   print_summary(slam_report(run, slam), out);
   if (!run.error.empty()) throw Error(run.error);
 }
@@ -277,6 +308,17 @@ void add_slam_command(CLI::App& app) {
   command->add_option("--threads", options->threads, "threads (default: all processors)")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  CLI::Option* load = command
+                          ->add_option("--load-map", options->load_map,
+                                       "begin with the map of an earlier run of the same camera")
+                          ->type_name("FILE");
+  CLI::Option* save = command->add_option("--save-map", options->save_map, "write the map there at the end")
+                          ->type_name("FILE");
+  command
+      ->add_flag("--localise", options->localise,
+                 "only find the way in the loaded map, and leave it as it is")
+      ->needs(load)
+      ->excludes(save);
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");

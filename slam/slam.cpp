@@ -71,23 +71,43 @@ std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
 TrackerSettings tracker_settings(const SlamSettings& settings, const StereoCamera& camera) {
   TrackerSettings tracker = settings.tracker;
   tracker.close_depth = close_depth(camera, settings.mapper.point_creation);
+  tracker.extends_map = !settings.localise;
   return tracker;
+}
+
+// The loaded map, or an empty one.
+std::unique_ptr<Map> starting_map(std::unique_ptr<Map> loaded, const SlamSettings& settings) {
+  std::vector<double> scales = level_scales(settings.orb.pyramid);
+  if (settings.localise && (loaded == nullptr || loaded->keyframes().empty())) {
+    throw InputError("localisation", "a map with keyframes", loaded ? "an empty one" : "none");
+  }
+  if (loaded == nullptr) return std::make_unique<Map>(std::move(scales));
+  if (loaded->scales() != scales) {
+    throw InputError("loaded map", fmt::format("features of {} levels, as they are found now", scales.size()),
+                     fmt::format("{}, or others", loaded->scales().size()));
+  }
+  return loaded;
 }
 
 }  // namespace
 
-Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter)
+Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter,
+           std::unique_ptr<Map> loaded)
     : camera_(checked(camera)),
       settings_(settings),
       segmenter_(std::move(segmenter)),
       left_orb_(settings.orb),
       right_orb_(settings.orb),
-      map_(level_scales(settings.orb.pyramid)),
+      owned_map_(starting_map(std::move(loaded), settings)),
+      map_(*owned_map_),
+      first_own_keyframe_(map_.next_keyframe_id()),
       index_(settings.index),
       mapper_(camera_, map_, settings.mapper),
       loop_closer_(camera_, map_, index_, settings.loops),
       tracker_(camera_, map_, index_, tracker_settings(settings, camera_), timer_),
-      worker_(camera_, map_, mapper_, loop_closer_, settings.full_bundle, !settings.deterministic) {}
+      worker_(camera_, map_, mapper_, loop_closer_, settings.full_bundle, !settings.deterministic) {
+  loop_closer_.adopt_map();
+}
 
 FrameResult Slam::process(const StereoImages& images) {
   check_image(images.left, camera_, images.index, "left");
@@ -115,7 +135,7 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   {
     const std::shared_lock lock(map_.mutex());
     result.tracking = tracker_.track(frame);
-    is_first = frame.reference == nullptr || result.tracking.starts_submap;
+    is_first = frame.reference == nullptr || result.tracking.starts_submap || result.tracking.off_map;
     result.keyframe = result.tracking.wants_keyframe && (is_first || worker_.accepts());
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
@@ -224,6 +244,7 @@ Trajectory Slam::keyframe_trajectory() const {
   const std::shared_lock lock(map_.mutex());
   Trajectory trajectory;
   for (const KeyFrame* keyframe : map_.keyframes()) {
+    if (is_loaded(*keyframe)) continue;
     trajectory.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});
   }
   return trajectory;

@@ -28,7 +28,7 @@ struct LocalMapperSettings {
 class LocalMapper {
  public:
   LocalMapper(const StereoCamera& camera, Map& map, const LocalMapperSettings& settings)
-      : camera_(camera), map_(map), settings_(settings) {}
+      : camera_(camera), map_(map), settings_(settings), first_unproven_(map.next_point_id()) {}
 
   // `tracked`: per feature the point that the tracker found there, or nullptr; `aligned`: 1 where it found
   // the point's patch, too.
@@ -45,7 +45,7 @@ class LocalMapper {
   const StereoCamera camera_;
   Map& map_;
   const LocalMapperSettings settings_;
-  int first_unproven_ = 0;  // id of the oldest point that is still on probation
+  int first_unproven_;  // id of the oldest point that is still on probation; all of a loaded map are proven
 };
 
 }  // namespace penumbra::slam

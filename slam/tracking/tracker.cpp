@@ -24,19 +24,28 @@ TrackingReport Tracker::track(Frame& frame) {
   refresh_last_frame();
   const SE3 predicted = motion_.predict(previous_T_cw_, previous_time_, frame.timestamp);
   Located located = locate_by_prediction(frame, predicted, report);
-  if (!located.success) {
-    located = recognise(frame);
-    if (located.success) located = locate_in_local_map(frame);
+  if (!located.success || located.off_map) {
+    const Step step{frame.T_cw, frame.points, located.inliers};
+    Located recognised = recognise(frame);
+    if (recognised.success) recognised = locate_in_local_map(frame);
+    if (recognised.success) {
+      located = recognised;
+    } else if (located.off_map) {
+      take_step(frame, step);
+    }
   }
   report.map_inliers = located.inliers;
+  report.off_map = located.off_map;
   report.recovered = located.success && state_ == TrackingState::lost;
   if (!located.success) {
     frame.T_cw = predicted;
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
   }
   finish(frame, located.success);
-  report.wants_keyframe = sharp_enough(frame, located.success && wants_keyframe(frame, located.inliers));
-  if (lost_with_view_ >= settings_.lost_before_restart) {
+  report.wants_keyframe =
+      sharp_enough(frame, settings_.extends_map && located.success &&
+                              (located.off_map || wants_keyframe(frame, located.inliers)));
+  if (settings_.extends_map && lost_with_view_ >= settings_.lost_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
   report.state = state_;
@@ -142,8 +151,9 @@ std::optional<Eigen::Vector3d> Tracker::last_point(int i) const {
   return last_.T_cw.inverse() * camera_.back_project(k.u, k.v, last_.features->depth[at]);
 }
 
-// A rough pose where no motion is known: a search around the last pose would find far points only, and those
-// fit any small motion. So descriptors are compared without a window, and P3P finds the pose in RANSAC.
+// A rough pose where no motion is known, or it has changed: a search around the last pose would find far
+// points only, and those fit any small motion. So descriptors are compared without a window, and P3P finds
+// the pose in RANSAC.
 std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
   std::vector<PoseObservation> observations;
   for (const Match& match :
@@ -157,23 +167,44 @@ std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
   ransac.fewest_inliers = settings_.fewest_frame_inliers;
   const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
   if (!pnp) return std::nullopt;
-  return optimize_pose(camera_, pnp->T_cw, observations).T_cw;
+  return optimize_pose(camera_, *pnp, observations).T_cw;
 }
 
-// Around the predicted pose: first against the last frame that was located, in a narrow and then a wide
-// window, then against the map.
+// First against the last frame that was located, in a narrow and then a wide window around the predicted pose
+// or, where that is no help, around the one that descriptors tell; then against the map. Where the map has
+// too few points here, as after a fast turn, what the last frame tells is enough if it tells it clearly: a
+// keyframe then makes the points.
 Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
   if (last_.features == nullptr) return {};  // in a map that was loaded nothing came before
-  const std::optional<SE3> start = motion_.known() ? predicted : pose_from_last_frame(frame);
-  if (!start) return {};
-  for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
-    frame.T_cw = *start;
-    Located located = locate_from_last_frame(frame, radius, report);
-    report.frame_inliers = located.inliers;
-    if (located.success) located = locate_in_local_map(frame);
-    if (located.success) return located;
+  Step best;
+  const auto locate_around = [&](const SE3& start) {
+    for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
+      frame.T_cw = start;
+      Located located = locate_from_last_frame(frame, radius, report);
+      report.frame_inliers = located.inliers;
+      if (!located.success) continue;
+      if (located.inliers > best.inliers) best = {frame.T_cw, frame.points, located.inliers};
+      located = locate_in_local_map(frame);
+      if (located.success) return located;
+    }
+    return Located{};
+  };
+  if (motion_.known()) {
+    if (const Located located = locate_around(predicted); located.success) return located;
   }
-  return {};
+  best = {};  // far points alone fit any motion: only RANSAC's may be a step
+  if (const std::optional<SE3> start = pose_from_last_frame(frame)) {
+    if (const Located located = locate_around(*start); located.success) return located;
+  }
+  if (!settings_.extends_map || best.inliers < settings_.fewest_step_inliers) return {};
+  take_step(frame, best);
+  return {true, best.inliers, true};
+}
+
+void Tracker::take_step(Frame& frame, const Step& step) {
+  frame.T_cw = step.T_cw;
+  frame.points = step.points;
+  std::fill(frame.aligned.begin(), frame.aligned.end(), 0);
 }
 
 Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, TrackingReport& report) {
@@ -210,12 +241,28 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
   return {true, estimate.inliers};
 }
 
+// Where the camera was last, best first: this run's newest keyframes; before there are any, the reference and
+// its neighbours in a map that was loaded.
+std::vector<KeyFrame*> Tracker::keyframes_near() const {
+  std::vector<KeyFrame*> near;
+  const std::vector<KeyFrame*>& all = map_.keyframes();
+  for (auto k = all.rbegin(); k != all.rend() && (*k)->id >= first_own_keyframe_; ++k) {
+    if (static_cast<int>(near.size()) == settings_.recognition.last_keyframes) return near;
+    near.push_back(*k);
+  }
+  if (!near.empty() || reference_ == nullptr) return near;
+  near.push_back(reference_);
+  for (const Covisible& c : reference_->covisibles) near.push_back(c.keyframe);
+  return near;
+}
+
 // Without a useful prediction.
 Tracker::Located Tracker::recognise(Frame& frame) {
   const auto scope = timer_.measure("recognise");
   unmapped_.clear();
-  std::optional<VerifiedPlace> found = recognise_image(
-      camera_, map_, index_, *frame.features, static_cast<std::uint64_t>(frame.index), settings_.recognition);
+  std::optional<VerifiedPlace> found =
+      recognise_image(camera_, map_, index_, keyframes_near(), *frame.features,
+                      static_cast<std::uint64_t>(frame.index), settings_.recognition);
   if (!found) return {};
   frame.T_cw = found->T_cw;
   frame.points = std::move(found->points);
@@ -234,7 +281,7 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   if (inliers < settings_.fewest_map_inliers) return {false, inliers};
   frame.T_cw = estimate.T_cw;
   for (MapPoint* point : frame.points) {
-    if (point != nullptr) ++point->found;
+    if (point != nullptr && settings_.extends_map) ++point->found;
   }
   return {true, inliers};
 }
@@ -246,7 +293,7 @@ void Tracker::match_local_points(Frame& frame, const std::vector<MapPoint*>& poi
   for (std::size_t i = 0; i < frame.points.size(); ++i) {
     if (frame.points[i] == nullptr) continue;
     taken[i] = 1;
-    ++frame.points[i]->visible;
+    frame.points[i]->visible += settings_.extends_map;
     matched.push_back(frame.points[i]);
   }
   std::sort(matched.begin(), matched.end());
@@ -256,7 +303,7 @@ void Tracker::match_local_points(Frame& frame, const std::vector<MapPoint*>& poi
     if (std::binary_search(matched.begin(), matched.end(), points[i])) continue;
     std::optional<Projection> projection = project_point(camera_, frame.T_cw, *points[i], map_.scales());
     if (!projection) continue;
-    ++points[i]->visible;
+    points[i]->visible += settings_.extends_map;
     projection->source = static_cast<int>(i);
     projections.push_back(*projection);
   }

@@ -236,23 +236,31 @@ def map_files():
     levels = struct.pack("<I2d", 2, 1.0, 1.2)
     pose = struct.pack("<12d", 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0)
 
-    def keyframe(frame, pose=pose, u=100.0, level=1):
+    def keyframe(frame, pose=pose, u=100.0, level=1, submap=0):
         feature = struct.pack("<ffiff32sff", u, 50.0, level, 0.1, 9.0, bytes(32), 60.0, 9.7)
-        return struct.pack("<id", frame, 0.1 * frame) + pose + struct.pack("<I", 1) + feature + bytes(4)
+        return struct.pack("<id", frame, 0.1 * frame) + pose + struct.pack("<iI", submap, 1) + feature + bytes(4)
 
-    def point(*observations, x=1.0):
-        head = struct.pack("<3d2i", x, 0.0, 9.7, 3, 2) + bytes(3) + struct.pack("<I", len(observations))
-        return head + b"".join(struct.pack("<II", k, f) for k, f in observations)
+    def patch(level=1, depth=9.7):
+        return struct.pack("<id2f", level, depth, 0.1, -0.2) + bytes(225)
 
-    def file(keyframes, points, version=1, levels=levels):
+    def point(*observations, x=1.0, patch=struct.pack("<i", -1), aligned=1):
+        head = struct.pack("<3d2i", x, 0.0, 9.7, 3, 2) + bytes(3) + patch + struct.pack("<I", len(observations))
+        return head + b"".join(struct.pack("<IIB", k, f, aligned) for k, f in observations)
+
+    def file(keyframes, points, version=2, levels=levels):
         body = camera + levels + struct.pack("<I", len(keyframes)) + b"".join(keyframes)
         body += struct.pack("<I", len(points)) + b"".join(points)
         return b"PENUMAP\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
 
     two = [keyframe(0), keyframe(5)]
     yield "valid_two", file(two, [point((0, 0), (1, 0))])
+    yield "valid_patch", file(two, [point((0, 0), (1, 0), patch=patch(), aligned=0)])
     yield "valid_empty", file([], [])
-    yield "bad_version", file(two, [], version=2)
+    yield "bad_version", file(two, [], version=1)
+    yield "bad_submap", file([keyframe(0, submap=-1)], [])
+    yield "bad_patch_level", file(two, [point((0, 0), patch=patch(level=2))])
+    yield "bad_patch_depth", file(two, [point((0, 0), patch=patch(depth=-1.0))])
+    yield "bad_aligned", file(two, [point((0, 0), aligned=2)])
     yield "bad_feature", file(two, [point((0, 0), (1, 1))])
     yield "bad_keyframe", file(two, [point((0, 0), (2, 0))])
     yield "bad_order", file(two, [point((1, 0), (0, 0))])
