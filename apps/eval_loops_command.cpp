@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -73,7 +74,8 @@ std::vector<slam::FramePair> pairs(const nlohmann::json& list, const std::string
 struct Run {
   std::vector<slam::FramePair> loops, covisible;
   std::vector<int> keyframes;
-  std::vector<int> frames;  // numbers of the frames in the sequence
+  std::vector<int> frames;    // numbers of the frames in the sequence ...
+  std::vector<double> times;  // ... and their times, seconds
 };
 
 Run read_run(const std::filesystem::path& folder) {
@@ -88,12 +90,19 @@ Run read_run(const std::filesystem::path& folder) {
   run.keyframes =
       numbers(report.value("keyframe_frames", nlohmann::json()), place(report_path, "keyframe_frames"));
   run.frames = numbers(frames.value("index", nlohmann::json()), place(frames_path, "index"));
+  const nlohmann::json times = frames.value("timestamp", nlohmann::json());
+  const bool has_times = times.is_array() && times.size() == run.frames.size() &&
+                         std::all_of(times.begin(), times.end(), [](const auto& t) { return t.is_number(); });
+  if (!has_times)
+    throw InputError(place(frames_path, "timestamp"), "a time for every frame", "something else");
+  run.times = times.get<std::vector<double>>();
   return run;
 }
 
 // The true pose of every frame of the run. A KITTI file's line i is frame i of the sequence, a TUM file's
-// lines are found by the times of the run's own trajectory.
-slam::Trajectory true_poses(const EvalLoopsOptions& options, const std::vector<int>& frames) {
+// lines are found by the frames' times.
+slam::Trajectory true_poses(const EvalLoopsOptions& options, const Run& run) {
+  const std::vector<int>& frames = run.frames;
   if (slam::detect_trajectory_format(options.ground_truth) == slam::TrajectoryFormat::kitti) {
     const slam::Trajectory all = slam::read_kitti_trajectory(options.ground_truth);
     slam::Trajectory truth;
@@ -106,8 +115,8 @@ slam::Trajectory true_poses(const EvalLoopsOptions& options, const std::vector<i
     }
     return truth;
   }
-  const std::filesystem::path estimate_path = std::filesystem::path(options.run) / "trajectory_tum.txt";
-  const slam::Trajectory estimate = slam::read_tum_trajectory(estimate_path);
+  slam::Trajectory estimate;
+  for (const double time : run.times) estimate.push_back({time, {}});
   slam::TrajectoryPair pair =
       slam::associate_by_time(slam::read_tum_trajectory(options.ground_truth), estimate, 0.05);
   if (pair.reference.size() != frames.size()) {
@@ -204,7 +213,7 @@ void print_index(const slam::PlaceIndexEvaluation& e) {
 void run_eval_loops(EvalLoopsOptions options) {
   options.revisits.largest_turn = options.turn_degrees / kDegrees;
   Run run = read_run(options.run);
-  const slam::Trajectory truth = true_poses(options, run.frames);
+  const slam::Trajectory truth = true_poses(options, run);
   std::map<int, int> row_of;
   for (std::size_t i = 0; i < run.frames.size(); ++i) row_of[run.frames[i]] = static_cast<int>(i);
   const auto to_row = [&](int& frame) {

@@ -48,7 +48,7 @@ void write_keyframe_gallery(const std::filesystem::path& folder, const slam::Ste
         *keyframes[static_cast<std::size_t>(n) * static_cast<std::size_t>(count) /
                    static_cast<std::size_t>(shown)];
     const auto row = row_of.find(keyframe.frame_index);
-    if (row == row_of.end()) continue;  // of an earlier drive through a map that was loaded
+    if (row == row_of.end() || slam.is_loaded(keyframe)) continue;
     try {
       nn::write_image(folder / fmt::format("{:06d}.jpg", keyframe.frame_index),
                       draw(dataset.load(row->second).left, keyframe));

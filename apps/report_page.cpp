@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "nn/io/file.h"
 #include "slam/evaluation/alignment.h"
 #include "slam/evaluation/ape.h"
+#include "slam/evaluation/association.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/map/ply.h"
 
@@ -84,7 +86,7 @@ json gallery(const std::filesystem::path& folder) {
 class Rows {
  public:
   Rows(const json& frames, std::size_t poses, const std::string& place) {
-    for (const char* key : {"index", "ms", "filter"}) {
+    for (const char* key : {"index", "timestamp", "ms", "filter"}) {
       if (!frames.contains(key) || !frames[key].is_array() || frames[key].size() != poses) {
         throw InputError(place, fmt::format("{} entries of \"{}\", one a pose", poses, key),
                          "something else");
@@ -122,6 +124,35 @@ json loop_rows(const json& run, const Rows& rows) {
   return list;
 }
 
+std::vector<double> times_of(const json& frames) {
+  std::vector<double> times;
+  for (const json& time : frames["timestamp"])
+    times.push_back(time.is_number() ? time.get<double>() : std::numeric_limits<double>::quiet_NaN());
+  return times;
+}
+
+// Frame by frame how far the estimate, laid over the ground truth, is from it, metres; null where the truth
+// is not known or the frame was not located.
+json position_errors(const slam::Trajectory& truth, const slam::Trajectory& estimate,
+                     const std::vector<double>& times) {
+  constexpr double kRounding = 1e-5;  // seconds, of the times in the files
+  std::vector<double> truth_times;
+  for (const slam::TimedPose& pose : truth) truth_times.push_back(pose.timestamp);
+  slam::TrajectoryPair pair;
+  std::vector<std::size_t> rows;
+  for (const auto& [row, at] : slam::associate_times(times, truth_times, kRounding)) {
+    rows.push_back(row);
+    pair.reference.push_back(truth[at]);
+    pair.estimate.push_back(estimate[row]);
+  }
+  std::vector<json> errors(estimate.size());
+  if (rows.empty()) return errors;
+  const slam::Similarity moved = slam::find_alignment(pair.reference, pair.estimate, slam::Alignment::se3);
+  const auto distances = slam::absolute_pose_errors(pair.reference, slam::transformed(pair.estimate, moved));
+  for (std::size_t i = 0; i < rows.size(); ++i) errors[rows[i]] = distances[i];
+  return errors;
+}
+
 json gather(const std::filesystem::path& folder, std::size_t most_points) {
   json data;
   data["run"] = read_json(folder / "run.json");
@@ -131,11 +162,10 @@ json gather(const std::filesystem::path& folder, std::size_t most_points) {
   data["estimate"] = positions(estimate);
   data["truth"] = json::array();
   data["error"] = json::array();
-  if (const auto path = folder / "ground_truth_kitti.txt"; std::filesystem::exists(path)) {
-    const slam::Trajectory truth = slam::read_kitti_trajectory(path);
-    const slam::Similarity moved = slam::find_alignment(truth, estimate, slam::Alignment::se3);
+  if (const auto path = folder / "ground_truth_tum.txt"; std::filesystem::exists(path)) {
+    const slam::Trajectory truth = slam::read_tum_trajectory(path);
     data["truth"] = positions(truth);
-    data["error"] = slam::absolute_pose_errors(truth, slam::transformed(estimate, moved));
+    data["error"] = position_errors(truth, estimate, times_of(data["frames"]));
   }
   data["lost"] = lost_rows(data["run"], rows);
   data["loops"] = loop_rows(data["run"], rows);

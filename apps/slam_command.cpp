@@ -22,8 +22,10 @@
 #include "nn/io/image_file.h"
 #include "slam/datasets/open_dataset.h"
 #include "slam/datasets/prefetcher.h"
+#include "slam/evaluation/association.h"
 #include "slam/evaluation/trajectory_plot.h"
 #include "slam/geometry/trajectory_io.h"
+#include "slam/map/map_file.h"
 #include "slam/map/ply.h"
 #include "slam/slam.h"
 
@@ -35,15 +37,24 @@ constexpr const char* kExamples = R"(Examples:
   penumbra slam kitti --sequence 00 --out out/00
   penumbra slam kitti --sequence 06 --frames 0:50 --filter off --out out/06
   penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
+  penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
+  penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
+  penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
+  penumbra slam monday --save-map yard.map --out out/monday
+  penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
+  penumbra slam wednesday --load-map yard.map --localise --out out/wednesday           only find the way in it
 
-Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (camera poses), keyframes_tum.txt (the
-keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
+Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
+trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
 loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
 
 struct SlamOptions {
-  std::string dataset, out, sequence, frames, weights, classes;
-  std::string format = "auto", filter = "adaptive", loops = "on";
-  bool no_segmentation = false, deterministic = false;
+  std::string dataset, out, sequence, frames, weights, classes, save_map, load_map;
+  std::string format = "auto", images = "auto", filter = "adaptive", loops = "on";
+  int step = 1;
+  std::optional<double> frame_rate;
+  double least_sharpness = 0.0;
+  bool no_segmentation = false, deterministic = false, localise = false;
   int features = 0, threads = omp_get_max_threads(), segment_every = 1;
 };
 
@@ -67,15 +78,30 @@ std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
   return load_network(options.weights, options.classes, slam_network_config());
 }
 
+slam::DatasetCameras parse_cameras(const std::string& images) {
+  if (images == "grey") return slam::DatasetCameras::grey;
+  return images == "colour" ? slam::DatasetCameras::colour : slam::DatasetCameras::automatic;
+}
+
 slam::SlamSettings make_settings(const SlamOptions& options) {
   slam::SlamSettings settings;
   settings.orb.features = options.features;
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
   settings.loops.enabled = options.loops == "on";
+  settings.tracker.least_sharpness = options.least_sharpness;
   settings.semantics.interval = options.segment_every;
+  settings.localise = options.localise;
   settings.threads = options.threads;
   settings.deterministic = options.deterministic;
   return settings;
+}
+
+// The map of --load-map; nothing where none is asked for.
+std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::StereoCamera& camera) {
+  if (options.load_map.empty()) return nullptr;
+  slam::SavedMap saved = slam::read_map(options.load_map);
+  slam::require_same_camera(saved.camera, camera, options.load_map);
+  return std::move(saved.map);
 }
 
 // Runs until the end, Ctrl-C or the first frame that cannot be read; returns what stopped it, empty at the
@@ -105,29 +131,48 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
   return {};
 }
 
-// The ground truth of the frames that were processed, moved so that it starts where the estimate starts.
-slam::Trajectory ground_truth_in_estimate(const slam::StereoDataset& dataset,
-                                          const slam::Trajectory& estimate) {
-  if (!dataset.ground_truth() || estimate.empty()) return {};
-  slam::Trajectory truth(dataset.ground_truth()->begin(),
-                         dataset.ground_truth()->begin() + static_cast<std::ptrdiff_t>(estimate.size()));
-  const slam::SE3 moved = estimate.front().T_wc * truth.front().T_wc.inverse();
-  for (slam::TimedPose& pose : truth) pose.T_wc = moved * pose.T_wc;
-  return truth;
+// Poses of the frames that were located.
+slam::Trajectory located(const slam::Slam& slam) {
+  slam::Trajectory all = slam.trajectory(), located;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (slam.results()[i].tracking.state == slam::TrackingState::tracking) located.push_back(all[i]);
+  }
+  return located;
 }
 
-std::optional<slam::Evaluation> evaluate(const slam::Trajectory& truth, const slam::Trajectory& estimate) {
-  if (truth.size() < 2) return std::nullopt;
+// Ground truth and estimate of the frames that have both, the ground truth moved so that it starts where the
+// estimate starts.
+slam::TrajectoryPair pair_with_ground_truth(const slam::StereoDataset& dataset,
+                                            const slam::Trajectory& estimate) {
+  slam::TrajectoryPair pair;
+  if (!dataset.ground_truth()) return pair;
+  std::size_t at = 0;
+  for (const slam::TimedPose& pose : *dataset.ground_truth()) {  // with the frames' own times
+    while (at < estimate.size() && estimate[at].timestamp < pose.timestamp) ++at;
+    if (at == estimate.size()) break;
+    if (estimate[at].timestamp != pose.timestamp) continue;
+    pair.reference.push_back(pose);
+    pair.estimate.push_back(estimate[at]);
+  }
+  if (pair.reference.empty()) return pair;
+  const slam::SE3 moved = pair.estimate.front().T_wc * pair.reference.front().T_wc.inverse();
+  for (slam::TimedPose& pose : pair.reference) pose.T_wc = moved * pose.T_wc;
+  return pair;
+}
+
+std::optional<slam::Evaluation> evaluate(const slam::TrajectoryPair& pair) {
+  if (pair.reference.size() < 2) return std::nullopt;
   slam::EvaluationOptions options;
   // Short pieces have no segment of a hundred metres.
-  if (slam::path_length(truth) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
-  return slam::evaluate_trajectory(truth, estimate, options);
+  if (slam::path_length(pair.reference) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
+  return slam::evaluate_trajectory(pair.reference, pair.estimate, options);
 }
 
 // Pieces of the map that nothing ties to the first stand where they were guessed.
 void warn_of_pieces(const slam::Slam& slam) {
   const std::vector<slam::SubmapSummary> submaps = slam.submaps();
   for (std::size_t i = 1; i < submaps.size(); ++i) {
+    if (submaps[i].frames == 0) continue;  // of a map that was loaded
     spdlog::warn(
         "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
         "frames are right relative to each other, where they are is a guess",
@@ -137,14 +182,17 @@ void warn_of_pieces(const slam::Slam& slam) {
 
 void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                    const slam::Slam& slam, SlamRun& run) {
-  const slam::Trajectory estimate = slam.trajectory();
-  const slam::Trajectory truth = ground_truth_in_estimate(dataset, estimate);
-  run.evaluation = evaluate(truth, estimate);
-  if (!estimate.empty()) {
-    slam::write_kitti_poses(out / "trajectory_kitti.txt", estimate);
+  const slam::Trajectory estimate = located(slam);
+  const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
+  const slam::Trajectory& truth = pair.reference;
+  run.evaluation = evaluate(pair);
+  if (!slam.results().empty()) {
+    slam::write_kitti_poses(out / "trajectory_kitti.txt", slam.trajectory());
     slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
     slam::write_tum_trajectory(out / "keyframes_tum.txt", slam.keyframe_trajectory());
-    if (!truth.empty()) slam::write_kitti_poses(out / "ground_truth_kitti.txt", truth);
+    if (!truth.empty()) slam::write_tum_trajectory(out / "ground_truth_tum.txt", truth);
+  }
+  if (!estimate.empty()) {
     slam::TrajectoryPlotOptions plot;
     plot.title = dataset.name();
     nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
@@ -181,20 +229,29 @@ void run_slam(const SlamOptions& options) {
   dataset_options.format = slam::parse_dataset_format(options.format);
   dataset_options.sequence = options.sequence;
   if (!options.frames.empty()) dataset_options.frames = slam::parse_frame_range(options.frames);
+  dataset_options.step = options.step;
+  dataset_options.cameras = parse_cameras(options.images);
+  dataset_options.frame_rate = options.frame_rate;
 
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset, dataset_options);
   run.dataset = dataset->name();
+  for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset, note);
   const std::optional<LoadedNetwork> loaded = find_network(options);
   const slam::Segmenter segmenter = loaded ? make_segmenter(*loaded) : slam::Segmenter();
   run.segmentation = loaded.has_value();
-  const std::filesystem::path out = options.out;
+  std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
+  const std::filesystem::path save_folder = std::filesystem::path(options.save_map).parent_path();
   std::error_code error;
+  if (!save_folder.empty() && !std::filesystem::is_directory(save_folder, error)) {
+    throw InputError(save_folder.string(), "a folder for the map", "none");
+  }
+  const std::filesystem::path out = options.out;
   std::filesystem::create_directories(out, error);
   if (error) throw Error(fmt::format("{}: cannot be made: {}", out.string(), error.message()));
 
   omp_set_num_threads(run.settings.threads);
   cv::setNumThreads(1);  // the frames' two images are the parallel work
-  slam::Slam slam(dataset->camera(), run.settings, segmenter);
+  slam::Slam slam(dataset->camera(), run.settings, segmenter, std::move(map));
   const double cpu_before = process_usage().cpu_seconds;
   run.error = process_frames(*dataset, slam);
   slam.finish();
@@ -204,6 +261,7 @@ void run_slam(const SlamOptions& options) {
   warn_of_pieces(slam);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(out, *dataset, slam, run);
+  if (!options.save_map.empty()) slam::write_map(options.save_map, dataset->camera(), slam.map());
   print_summary(slam_report(run, slam), out);
   if (!run.error.empty()) throw Error(run.error);
 }
@@ -213,16 +271,25 @@ void run_slam(const SlamOptions& options) {
 void add_slam_command(CLI::App& app) {
   const auto options = std::make_shared<SlamOptions>();
   CLI::App* command =
-      app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo sequence");
+      app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
   command->footer(kExamples);
   command->add_option("dataset", options->dataset, "folder of the sequence")->required();
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   command->add_option("--format", options->format, "layout of the dataset")
-      ->check(CLI::IsMember({"auto", "kitti"}))
+      ->check(CLI::IsMember({"auto", "kitti", "euroc", "tum", "folder"}))
       ->capture_default_str();
+  command->add_option("--images", options->images, "which images to read")
+      ->check(CLI::IsMember({"auto", "grey", "colour"}))
+      ->capture_default_str();
+  command->add_option("--rate", options->frame_rate, "frames a second, where the dataset has no times")
+      ->check(CLI::PositiveNumber)
+      ->type_name("HZ");
   command->add_option("--sequence", options->sequence,
                       "which one, where the folder holds several, such as 00");
   command->add_option("--frames", options->frames, "A:B, frames A to B-1 only");
+  command->add_option("--step", options->step, "take every n-th frame, as a slower camera would")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_option("--weights", options->weights,
                       "Mask R-CNN weights: features on movable things are left out");
   command->add_option("--classes", options->classes,
@@ -237,12 +304,30 @@ void add_slam_command(CLI::App& app) {
   command->add_option("--loops", options->loops, "close loops when a place is seen again")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--least-sharpness", options->least_sharpness,
+          "a frame below this share of the last images' sharpness (Tenengrad) leaves it to one of the next "
+          "three to become a keyframe; 0: no test")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command->add_option("--features", options->features, "features per image; 0 chooses by the image's size")
       ->check(CLI::Range(0, 20000))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "threads (default: all processors)")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  CLI::Option* load = command
+                          ->add_option("--load-map", options->load_map,
+                                       "begin with the map of an earlier run of the same camera")
+                          ->type_name("FILE");
+  CLI::Option* save = command->add_option("--save-map", options->save_map, "write the map there at the end")
+                          ->type_name("FILE");
+  command
+      ->add_flag("--localise", options->localise,
+                 "only find the way in the loaded map, and leave it as it is")
+      ->needs(load)
+      ->excludes(save);
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");

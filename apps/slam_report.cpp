@@ -22,6 +22,9 @@ nlohmann::json settings_json(const SlamRun& run) {
           {"segmentation_interval", s.semantics.interval},
           {"threads", s.threads},
           {"deterministic", run.deterministic},
+          {"localise", s.localise},
+          {"least_similarity", s.tracker.keyframes.least_similarity},
+          {"least_sharpness", s.tracker.least_sharpness},
           {"local_bundle_window", s.mapper.bundle.window}};
 }
 
@@ -62,11 +65,11 @@ nlohmann::json submaps_json(const std::vector<slam::SubmapSummary>& submaps) {
   return json;
 }
 
-nlohmann::json covisibility_json(const slam::Map& map) {
+nlohmann::json covisibility_json(const slam::Slam& slam) {
   nlohmann::json json = nlohmann::json::array();
-  for (const slam::KeyFrame* keyframe : map.keyframes()) {
+  for (const slam::KeyFrame* keyframe : slam.map().keyframes()) {
     for (const slam::Covisible& c : keyframe->covisibles) {
-      if (c.keyframe->id >= keyframe->id) continue;
+      if (c.keyframe->id >= keyframe->id || slam.is_loaded(*c.keyframe)) continue;
       json.push_back({keyframe->frame_index, c.keyframe->frame_index, c.shared_points});
     }
   }
@@ -95,7 +98,12 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["tracked"] = slam.tracked();
   json["lost"] = slam.lost();
   json["lost_frames"] = lost_frames;
-  json["keyframes"] = slam.map().keyframes().size();
+  std::vector<int> keyframe_frames;
+  for (const slam::KeyFrame* k : slam.map().keyframes()) {
+    if (!slam.is_loaded(*k)) keyframe_frames.push_back(k->frame_index);
+  }
+  json["keyframes"] = keyframe_frames.size();
+  json["loaded_keyframes"] = slam.map().keyframes().size() - keyframe_frames.size();
   json["map_points"] = map_points;
   json["movable_features"] = movable_features;
   if (run.segmentation) json["peak_arena_bytes"] = run.peak_arena_bytes;
@@ -122,9 +130,8 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   }
   json["loop_closures"] = loop_closures_json(loops);
   json["submaps"] = submaps_json(slam.submaps());
-  json["keyframe_frames"] = nlohmann::json::array();
-  for (const slam::KeyFrame* k : slam.map().keyframes()) json["keyframe_frames"].push_back(k->frame_index);
-  json["covisibility"] = covisibility_json(slam.map());
+  json["keyframe_frames"] = keyframe_frames;
+  json["covisibility"] = covisibility_json(slam);
   return json;
 }
 

@@ -22,12 +22,13 @@ struct SlamRun {
   std::optional<slam::Evaluation> evaluation;  // where there is ground truth
 };
 
-// Keys: dataset, error, settings, frames, tracked, lost, lost_frames, keyframes, map_points,
-// movable_features, peak_arena_bytes (with segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all
-// threads), peak_rss_mb, stages (medians in ms), mismatch_filter (kept, removed), ground_truth (APE, drift)
-// where there is one, loops (pairs of frames, the later first), loop_closures (every correction of the map,
-// with what is known of it), submaps (pieces of the map that are not tied to each other, see slam/slam.h),
-// keyframe_frames, covisibility (frame, earlier frame, points that both keyframes see).
+// Keys: dataset, error, settings, frames, tracked, lost, lost_frames, keyframes (of this run),
+// loaded_keyframes (of the map that it began with), map_points, movable_features, peak_arena_bytes (with
+// segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all threads), peak_rss_mb, stages (medians in ms),
+// mismatch_filter (kept, removed), ground_truth (APE, drift; of the located frames) where there is one, loops
+// (pairs of frames, the later first), loop_closures (every correction of the map, with what is known of it),
+// submaps (pieces of the map that are not tied to each other, see slam/slam.h), keyframe_frames, covisibility
+// (frame, earlier frame, points that both keyframes see).
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam);
 
 // The report as text: an entry a line, objects over several.

@@ -7,6 +7,7 @@
 #include <shared_mutex>
 
 #include "nn/base/error.h"
+#include "slam/features/depth_measurement.h"
 #include "slam/semantics/movable.h"
 
 namespace penumbra::slam {
@@ -33,6 +34,13 @@ void check_image(const cv::Mat& image, const StereoCamera& camera, int index, co
                    fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
                    fmt::format("{}x{} with {} channels, depth code {}", image.cols, image.rows,
                                image.channels(), image.depth()));
+}
+
+void check_depth(const cv::Mat& depth, const StereoCamera& camera, int index) {
+  if (depth.cols == camera.width && depth.rows == camera.height && depth.type() == CV_32FC1) return;
+  throw InputError(fmt::format("frame {}, depth", index),
+                   fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
+                   fmt::format("{}x{} of type {}", depth.cols, depth.rows, depth.type()));
 }
 
 cv::Mat to_grey(const cv::Mat& image) {
@@ -63,6 +71,7 @@ std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
 TrackerSettings tracker_settings(const SlamSettings& settings, const StereoCamera& camera) {
   TrackerSettings tracker = settings.tracker;
   tracker.keyframes.close_depth = close_depth(camera, settings.mapper.point_creation);
+  tracker.extends_map = !settings.localise;
   return tracker;
 }
 
@@ -73,24 +82,47 @@ SlamSettings with_bundle_threads(SlamSettings settings) {
   return settings;
 }
 
+// The loaded map, or an empty one.
+std::unique_ptr<Map> starting_map(std::unique_ptr<Map> loaded, const SlamSettings& settings) {
+  std::vector<double> scales = level_scales(settings.orb.pyramid);
+  if (settings.localise && (loaded == nullptr || loaded->keyframes().empty())) {
+    throw InputError("localisation", "a map with keyframes", loaded ? "an empty one" : "none");
+  }
+  if (loaded == nullptr) return std::make_unique<Map>(std::move(scales));
+  if (loaded->scales() != scales) {
+    throw InputError("loaded map", fmt::format("features of {} levels, as they are found now", scales.size()),
+                     fmt::format("{}, or others", loaded->scales().size()));
+  }
+  return loaded;
+}
+
 }  // namespace
 
-Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter)
+Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter,
+           std::unique_ptr<Map> loaded)
     : camera_(checked(camera)),
       settings_(with_bundle_threads(settings)),
       segmenter_(std::move(segmenter)),
       left_orb_(settings.orb),
       right_orb_(settings.orb),
-      map_(level_scales(settings.orb.pyramid)),
+      owned_map_(starting_map(std::move(loaded), settings)),
+      map_(*owned_map_),
+      first_own_keyframe_(map_.next_keyframe_id()),
       index_(settings.index),
       mapper_(camera_, map_, settings_.mapper),
       loop_closer_(camera_, map_, index_, settings.loops),
       tracker_(camera_, map_, index_, tracker_settings(settings, camera_), timer_),
-      worker_(camera_, map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic) {}
+      worker_(camera_, map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic) {
+  loop_closer_.adopt_map();
+}
 
 FrameResult Slam::process(const StereoImages& images) {
   check_image(images.left, camera_, images.index, "left");
-  check_image(images.right, camera_, images.index, "right");
+  if (images.depth.empty()) {
+    check_image(images.right, camera_, images.index, "right");
+  } else {
+    check_depth(images.depth, camera_, images.index);
+  }
   const auto scope = timer_.measure("frame");
   const std::shared_ptr<FrameFeatures> features = measure(images);
   mark_movable(images, *features);
@@ -124,22 +156,33 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   return result;
 }
 
+// Features of the left image, and where each would be seen from the right: by matching, or by its depth.
 std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   auto measured = std::make_shared<FrameFeatures>();
-  const cv::Mat left = to_grey(images.left), right = to_grey(images.right);
-  Features right_features;
-  {
-    const auto scope = timer_.measure("orb");
-    const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
-    std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_features); });
-    left_orb_.extract(left, measured->left);
-    right_done.get();
-  }
-  const auto scope = timer_.measure("stereo");
+  const cv::Mat left = to_grey(images.left);
   StereoMatches stereo;
-  match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
-  stereo_order_.check(images.index, camera_, measured->left, right_features, left_orb_.pyramid(),
-                      right_orb_.pyramid(), stereo);
+  if (images.depth.empty()) {
+    const cv::Mat right = to_grey(images.right);
+    Features right_features;
+    {
+      const auto scope = timer_.measure("orb");
+      const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
+      std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_features); });
+      left_orb_.extract(left, measured->left);
+      right_done.get();
+    }
+    const auto scope = timer_.measure("stereo");
+    match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
+    stereo_order_.check(images.index, camera_, measured->left, right_features, left_orb_.pyramid(),
+                        right_orb_.pyramid(), stereo);
+  } else {
+    {
+      const auto scope = timer_.measure("orb");
+      left_orb_.extract(left, measured->left);
+    }
+    const auto scope = timer_.measure("stereo");
+    measure_depth(camera_, measured->left, images.depth, stereo);
+  }
   measured->u_right = std::move(stereo.u_right);
   measured->depth = std::move(stereo.depth);
   measured->movable.assign(measured->left.keypoints.size(), 0);
@@ -203,6 +246,7 @@ Trajectory Slam::keyframe_trajectory() const {
   const std::shared_lock lock(map_.mutex());
   Trajectory trajectory;
   for (const KeyFrame* keyframe : map_.keyframes()) {
+    if (is_loaded(*keyframe)) continue;
     trajectory.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});
   }
   return trajectory;

@@ -1,4 +1,5 @@
-// The SLAM pipeline: stereo pairs go in, one after the other; a trajectory and a map come out.
+// The SLAM pipeline: stereo pairs, or images with their depth, go in, one after the other; a trajectory and a
+// map come out.
 //
 //   Slam slam(dataset.camera(), settings);
 //   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
@@ -41,7 +42,8 @@ struct SlamSettings {
   LoopCloserSettings loops;
   SemanticsSettings semantics;
   FullBundleSettings full_bundle;
-  int threads = 2;  // 1: the right image's features wait for the left's
+  bool localise = false;  // only find the way in a map that was loaded, which stays as it is
+  int threads = 2;        // 1: the right image's features wait for the left's
   bool deterministic = true;
 };
 
@@ -63,14 +65,17 @@ struct SubmapSummary {
 
 class Slam {
  public:
-  // `segmenter` may be empty. Throws InputError for a camera that cannot be: fx, fy or baseline not above
-  // zero or not finite, an image without pixels.
-  Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter = {});
+  // `segmenter` may be empty. `loaded`: a map of an earlier run by the same camera (slam/map/map_file.h), to
+  // go on with or to find the way in; the trajectory is then in its world. Throws InputError for a camera
+  // that cannot be (fx, fy or baseline not above zero or not finite, an image without pixels), a map with
+  // another pyramid, and where there is no map to localise in.
+  Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter = {},
+       std::unique_ptr<Map> loaded = {});
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // Takes the next pair; grey or colour, of the camera's size (InputError otherwise, and where the first
-  // pairs show that left and right are exchanged).
+  // Takes the next pair, or the next image with its depth; grey or colour, of the camera's size (InputError
+  // otherwise, and where the first pairs show that left and right are exchanged).
   FrameResult process(const StereoImages& images);
   // The same for a frame whose features were found elsewhere, without the image.
   FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features);
@@ -79,7 +84,8 @@ class Slam {
 
   // Pose of every frame so far, as the map now sees it; a lost frame has the pose that was predicted for it.
   Trajectory trajectory() const;
-  Trajectory keyframe_trajectory() const;
+  Trajectory keyframe_trajectory() const;  // without those of a loaded map
+  bool is_loaded(const KeyFrame& keyframe) const { return keyframe.id < first_own_keyframe_; }
 
   // Loops that were closed so far, in the order in which they were.
   std::vector<ClosedLoop> loops() const;
@@ -113,7 +119,9 @@ class Slam {
   StageTimer timer_;
   OrbExtractor left_orb_, right_orb_;
   StereoOrder stereo_order_;
-  Map map_;
+  const std::unique_ptr<Map> owned_map_;
+  Map& map_;
+  const int first_own_keyframe_;  // id
   PlaceIndex index_;
   LocalMapper mapper_;
   LoopCloser loop_closer_;

@@ -111,7 +111,8 @@ function curve(id, values, y_name, colour) {
   const canvas = element(id);
   const plot = axes(canvas, [0, Math.max(1, values.length - 1)], [0, largest(values) * 1.05 || 1], 'frame', y_name);
   plot.draw.strokeStyle = colour; plot.draw.lineWidth = 1.5; plot.draw.beginPath();
-  values.forEach((v, i) => plot.draw[i ? 'lineTo' : 'moveTo'](plot.x(i), plot.y(v)));
+  const known = v => v !== null && v !== undefined;
+  values.forEach((v, i) => { if (known(v)) plot.draw[known(values[i - 1]) ? 'lineTo' : 'moveTo'](plot.x(i), plot.y(v)); });
   plot.draw.stroke();
   canvas.dataset.drawn = values.length;
 }

@@ -22,14 +22,11 @@ void silence_opencv() {
   static_cast<void>(done);
 }
 
-}  // namespace
-
-cv::Mat read_image(const std::filesystem::path& path, ImageColour colour) {
+cv::Mat decode_image(const std::filesystem::path& path, int flags, std::string_view expected) {
   silence_opencv();
-  constexpr std::string_view kExpected = "a PNG or JPEG image";
   const std::string place = path.string();
-  std::string bytes = read_file(path, kExpected);
-  if (bytes.empty()) throw InputError(place, kExpected, "an empty file");
+  std::string bytes = read_file(path, expected);
+  if (bytes.empty()) throw InputError(place, expected, "an empty file");
 
   ImageSize size;
   if (looks_like_png(bytes)) {
@@ -37,19 +34,35 @@ cv::Mat read_image(const std::filesystem::path& path, ImageColour colour) {
   } else if (looks_like_jpeg(bytes)) {
     size = check_jpeg(bytes, place);
   } else {
-    throw InputError(place, kExpected, "a file that is neither");
+    throw InputError(place, expected, "a file that is neither");
   }
 
   cv::Mat image;
   std::string reason = "a file that the decoder refuses";
   try {
-    const int flags = (colour == ImageColour::grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) |
-                      cv::IMREAD_IGNORE_ORIENTATION;
     image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), flags);
   } catch (const cv::Exception& error) {
     reason += ": " + error.err;
   }
-  if (image.cols != size.width || image.rows != size.height) throw InputError(place, kExpected, reason);
+  if (image.cols != size.width || image.rows != size.height) throw InputError(place, expected, reason);
+  return image;
+}
+
+}  // namespace
+
+cv::Mat read_image(const std::filesystem::path& path, ImageColour colour) {
+  const int flags =
+      (colour == ImageColour::grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) | cv::IMREAD_IGNORE_ORIENTATION;
+  return decode_image(path, flags, "a PNG or JPEG image");
+}
+
+cv::Mat1w read_depth_image(const std::filesystem::path& path) {
+  constexpr std::string_view kExpected = "a 16-bit grey PNG with depth";
+  const cv::Mat image = decode_image(path, cv::IMREAD_UNCHANGED, kExpected);
+  if (image.type() != CV_16UC1) {
+    throw InputError(path.string(), kExpected,
+                     fmt::format("{} channels of {} bits", image.channels(), 8 * image.elemSize1()));
+  }
   return image;
 }
 

@@ -13,6 +13,10 @@ enum class ImageColour { grey, bgr };
 // file is never returned half-filled).
 cv::Mat read_image(const std::filesystem::path& path, ImageColour colour);
 
+// Reads a 16-bit grey PNG, such as a depth map, as it is. Throws InputError as above, and for any other
+// image.
+cv::Mat1w read_depth_image(const std::filesystem::path& path);
+
 // Writes `image` (8-bit grey or BGR) in the format of the name's ending; throws Error where that fails.
 void write_image(const std::filesystem::path& path, const cv::Mat& image);
 

@@ -24,6 +24,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "slam/datasets/open_dataset.h"
 #include "slam/datasets/stereo_dataset.h"
@@ -37,10 +39,10 @@ namespace penumbra::slam {
 // is loaded. StereoImages::index counts from the sequence's frame 0. Cost: lists two folders, reads one pair.
 std::unique_ptr<StereoDataset> open_kitti(const std::filesystem::path& path, const DatasetOptions& options);
 
+// Names of the sequences of a root, sorted; empty where `path` is no root.
+std::vector<std::string> kitti_sequences(const std::filesystem::path& path);
+
 // Whether `path` is a root (sequences/) or the folder of a sequence (calib.txt, image_0/ or image_2/).
 bool looks_like_kitti(const std::filesystem::path& path);
-
-// Throws InputError unless `path` is a folder with something in it.
-void require_dataset_folder(const std::filesystem::path& path);
 
 }  // namespace penumbra::slam

@@ -1,24 +1,61 @@
 #include "slam/datasets/open_dataset.h"
 
 #include "nn/base/error.h"
+#include "slam/datasets/euroc.h"
+#include "slam/datasets/folder_listing.h"
+#include "slam/datasets/image_folder.h"
 #include "slam/datasets/kitti.h"
+#include "slam/datasets/tum.h"
 
 namespace penumbra::slam {
 
+namespace {
+
+struct Layout {
+  DatasetFormat format;
+  const char* name;
+  bool (*looks_like)(const std::filesystem::path&);
+  std::unique_ptr<StereoDataset> (*open)(const std::filesystem::path&, const DatasetOptions&);
+};
+
+// In the order in which they are tried: TUM's folders may have a calibration.yaml, too.
+constexpr Layout kLayouts[] = {
+    {DatasetFormat::kitti, "kitti", looks_like_kitti, open_kitti},
+    {DatasetFormat::euroc, "euroc", looks_like_euroc, open_euroc},
+    {DatasetFormat::tum, "tum", looks_like_tum, open_tum},
+    {DatasetFormat::folder, "folder", looks_like_image_folder, open_image_folder},
+};
+
+}  // namespace
+
 DatasetFormat parse_dataset_format(std::string_view name) {
   if (name == "auto") return DatasetFormat::automatic;
-  if (name == "kitti") return DatasetFormat::kitti;
-  throw UsageError(fmt::format("format '{}': expected auto or kitti", name));
+  for (const Layout& layout : kLayouts) {
+    if (name == layout.name) return layout.format;
+  }
+  throw UsageError(fmt::format("format '{}': expected auto, kitti, euroc, tum or folder", name));
 }
 
 std::unique_ptr<StereoDataset> open_dataset(const std::filesystem::path& path,
                                             const DatasetOptions& options) {
   require_dataset_folder(path);
-  if (options.format == DatasetFormat::kitti || looks_like_kitti(path)) return open_kitti(path, options);
-  throw InputError(path.string(),
-                   "a dataset: KITTI odometry has sequences/ (dataset root), or calib.txt, image_0/ or "
-                   "image_2/ (folder of one sequence)",
-                   "a folder with none of these");
+  if (options.step < 1) throw UsageError(fmt::format("step {}: expected at least 1", options.step));
+  for (const Layout& layout : kLayouts) {
+    const bool chosen = options.format == layout.format ||
+                        (options.format == DatasetFormat::automatic && layout.looks_like(path));
+    if (!chosen) continue;
+    if (layout.format != DatasetFormat::kitti && !options.sequence.empty()) {
+      throw UsageError(fmt::format("{}: sequences are chosen by name in KITTI's layout only, not '{}'",
+                                   path.string(), options.sequence));
+    }
+    return layout.open(path, options);
+  }
+  throw InputError(
+      path.string(),
+      "a dataset: KITTI odometry has sequences/ (dataset root), or calib.txt, image_0/ or "
+      "image_2/ (folder of one sequence); EuRoC has mav0/; TUM RGB-D has rgb.txt or rgb/; any other "
+      "camera's images need a calibration.yaml",
+      "a folder with none of these");
 }
 
 }  // namespace penumbra::slam

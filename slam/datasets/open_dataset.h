@@ -1,7 +1,11 @@
-// Opens a stereo sequence of any layout that Penumbra reads, told by the folder's content.
+// Opens a sequence of any layout that Penumbra reads, told by the folder's content.
 //
 //   KITTI odometry   ROOT/sequences/NN/{calib.txt,times.txt,image_0/,image_1/,...} and ROOT/poses/NN.txt;
 //                    PATH is ROOT or the sequence's own folder (slam/datasets/kitti.h)
+//   EuRoC            mav0/cam0/{sensor.yaml,data.csv,data/}, mav0/cam1/...; PATH is the folder with mav0/, or
+//                    mav0/ itself (slam/datasets/euroc.h)
+//   TUM RGB-D        rgb.txt, depth.txt, rgb/, depth/ (slam/datasets/tum.h)
+//   folder           calibration.yaml, left/ and right/, or rgb/ and depth/ (slam/datasets/image_folder.h)
 #pragma once
 
 #include <filesystem>
@@ -15,16 +19,18 @@
 
 namespace penumbra::slam {
 
-enum class DatasetFormat { automatic, kitti };
-// "auto" or "kitti"; throws UsageError for another name.
+enum class DatasetFormat { automatic, kitti, euroc, tum, folder };
+// "auto", "kitti", "euroc", "tum" or "folder"; throws UsageError for another name.
 DatasetFormat parse_dataset_format(std::string_view name);
 
-enum class DatasetCameras { automatic, grey, colour };  // automatic: grey where there are grey images
+// Automatic: colour from RGB-D cameras, grey images where a stereo camera has them.
+enum class DatasetCameras { automatic, grey, colour };
 
 struct DatasetOptions {
   DatasetFormat format = DatasetFormat::automatic;
   std::string sequence;  // where PATH holds several; may be empty where it holds one
-  FrameRange frames;     // the part to read
+  FrameRange frames;     // the part to read ...
+  int step = 1;          // ... and every how many of its frames
   DatasetCameras cameras = DatasetCameras::automatic;
   std::optional<double> frame_rate;  // Hz, used where the dataset has no times; none: then an error
 };

@@ -1,20 +1,25 @@
-// A recorded stereo sequence, read frame by frame. Readers: KITTI odometry.
+// A recorded stereo or RGB-D sequence, read frame by frame. Readers: see open_dataset.h.
 #pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slam/geometry/stereo_camera.h"
 #include "slam/geometry/trajectory.h"
 
 namespace penumbra::slam {
 
-// One rectified stereo pair: 8-bit, grey (1 channel) or BGR (3 channels), both of the camera's size.
+// Where the depth of a feature comes from: a second image, or a depth map of the first.
+enum class Sensor { stereo, rgbd };
+
+// One frame: two rectified images, or one image and its depth.
 struct StereoImages {
   int index = 0;           // frame number in the sequence
   double timestamp = 0.0;  // seconds
-  cv::Mat left, right;
+  cv::Mat left, right;     // 8-bit, grey (1 channel) or BGR (3 channels), of the camera's size
+  cv::Mat depth;           // instead of `right`: CV_32F, metres along z, 0 where unknown
 };
 
 class StereoDataset {
@@ -22,6 +27,8 @@ class StereoDataset {
   virtual ~StereoDataset() = default;
 
   virtual std::string name() const = 0;  // for logs and reports, such as "KITTI odometry 00"
+  virtual Sensor sensor() const = 0;
+  // Of RGB-D cameras the baseline is nominal: it says how depth is weighed against pixels.
   virtual const StereoCamera& camera() const = 0;
   virtual int size() const = 0;  // frames
   // Time of frame `i` in seconds, without reading its images.
@@ -29,8 +36,11 @@ class StereoDataset {
   // Reads frame `i`, 0 <= i < size(). Throws InputError for an image that is missing, torn or of another
   // size. May be called from a thread of its own, one call at a time.
   virtual StereoImages load(int i) const = 0;
-  // One pose per frame where the dataset has ground truth.
+  // T_wc of the left rectified camera, where the dataset has ground truth: at most one pose a frame, with the
+  // frame's time; frames whose pose is not known have none.
   virtual const std::optional<Trajectory>& ground_truth() const = 0;
+  // What the user should know about the recording: frames that are missing, images without a partner.
+  virtual const std::vector<std::string>& notes() const = 0;
 };
 
 }  // namespace penumbra::slam

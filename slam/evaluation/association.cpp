@@ -9,41 +9,53 @@ namespace penumbra::slam {
 
 namespace {
 
-struct Match {
-  std::size_t in_short = 0, in_long = 0;
-  double difference = 0.0;  // seconds
-};
-
-std::size_t nearest_in_time(const Trajectory& trajectory, double time) {
-  const auto after =
-      std::lower_bound(trajectory.begin(), trajectory.end(), time,
-                       [](const TimedPose& pose, double value) { return pose.timestamp < value; });
-  if (after == trajectory.begin()) return 0;
+std::size_t nearest_in_time(std::span<const double> times, double time) {
+  const auto after = std::lower_bound(times.begin(), times.end(), time);
+  if (after == times.begin()) return 0;
   const auto before = std::prev(after);
-  const bool take_before = after == trajectory.end() || time - before->timestamp <= after->timestamp - time;
-  return static_cast<std::size_t>((take_before ? before : after) - trajectory.begin());
+  const bool take_before = after == times.end() || time - *before <= *after - time;
+  return static_cast<std::size_t>((take_before ? before : after) - times.begin());
+}
+
+std::vector<double> times_of(const Trajectory& trajectory) {
+  std::vector<double> times;
+  times.reserve(trajectory.size());
+  for (const TimedPose& pose : trajectory) times.push_back(pose.timestamp);
+  return times;
 }
 
 }  // namespace
 
+std::vector<TimePair> associate_times(std::span<const double> first, std::span<const double> second,
+                                      double max_difference) {
+  const bool first_is_longer = first.size() >= second.size();
+  const std::span<const double> longer = first_is_longer ? first : second;
+  const std::span<const double> shorter = first_is_longer ? second : first;
+  std::vector<TimePair> pairs;
+  double last_difference = 0.0;
+  std::size_t last_in_long = 0;
+  for (std::size_t i = 0; i < shorter.size() && !longer.empty(); ++i) {
+    const std::size_t nearest = nearest_in_time(longer, shorter[i]);
+    const double difference = std::abs(longer[nearest] - shorter[i]);
+    if (!(difference <= max_difference)) continue;
+    const TimePair pair = first_is_longer ? TimePair{nearest, i} : TimePair{i, nearest};
+    // Both are ordered by time, so whoever wants the same partner stands next to us.
+    if (!pairs.empty() && last_in_long == nearest) {
+      if (difference >= last_difference) continue;
+      pairs.back() = pair;
+    } else {
+      pairs.push_back(pair);
+    }
+    last_difference = difference;
+    last_in_long = nearest;
+  }
+  return pairs;
+}
+
 TrajectoryPair associate_by_time(const Trajectory& reference, const Trajectory& estimate,
                                  double max_difference) {
-  const bool reference_is_longer = reference.size() >= estimate.size();
-  const Trajectory& longer = reference_is_longer ? reference : estimate;
-  const Trajectory& shorter = reference_is_longer ? estimate : reference;
-
-  std::vector<Match> matches;
-  for (std::size_t i = 0; i < shorter.size() && !longer.empty(); ++i) {
-    const std::size_t nearest = nearest_in_time(longer, shorter[i].timestamp);
-    const Match match{i, nearest, std::abs(longer[nearest].timestamp - shorter[i].timestamp)};
-    if (!(match.difference <= max_difference)) continue;
-    // Both are ordered by time, so whoever wants the same partner stands next to us.
-    if (!matches.empty() && matches.back().in_long == match.in_long) {
-      if (match.difference < matches.back().difference) matches.back() = match;
-    } else {
-      matches.push_back(match);
-    }
-  }
+  const std::vector<TimePair> matches =
+      associate_times(times_of(reference), times_of(estimate), max_difference);
   if (matches.empty()) {
     const auto span = [](const Trajectory& t) {
       return t.empty() ? std::string("no pose")
@@ -53,10 +65,9 @@ TrajectoryPair associate_by_time(const Trajectory& reference, const Trajectory& 
                      fmt::format("{} against {}", span(reference), span(estimate)));
   }
   TrajectoryPair pair;
-  for (const Match& match : matches) {
-    const TimedPose &in_short = shorter[match.in_short], &in_long = longer[match.in_long];
-    pair.reference.push_back(reference_is_longer ? in_long : in_short);
-    pair.estimate.push_back(reference_is_longer ? in_short : in_long);
+  for (const auto& [in_reference, in_estimate] : matches) {
+    pair.reference.push_back(reference[in_reference]);
+    pair.estimate.push_back(estimate[in_estimate]);
   }
   return pair;
 }

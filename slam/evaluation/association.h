@@ -6,11 +6,22 @@
 // denser one, as is usual, both give the same pairs). Poses without a partner are left out. Cost: O(n log n).
 #pragma once
 
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
 #include "slam/geometry/trajectory.h"
 
 namespace penumbra::slam {
 
 inline constexpr double kMaxTimeDifference = 0.01;  // seconds
+
+// Places in two lists of times.
+using TimePair = std::pair<std::size_t, std::size_t>;
+// The same for any two lists of times, each in increasing order; in the order of time.
+std::vector<TimePair> associate_times(std::span<const double> first, std::span<const double> second,
+                                      double max_difference);
 
 // Two trajectories of equal length whose i-th poses belong together; each keeps its own timestamps.
 struct TrajectoryPair {

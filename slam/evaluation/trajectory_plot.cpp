@@ -7,13 +7,12 @@
 
 #include "nn/base/error.h"
 #include "slam/evaluation/kitti_metrics.h"
+#include "slam/evaluation/plot_canvas.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-// Everything is drawn at twice the size and halved at the end: smoother than OpenCV's own anti-aliasing.
-constexpr int kSupersampling = 2;
 // Final pixels.
 constexpr int kShortestSide = 1000, kLongestSide = 1500;
 constexpr int kMarginLeft = 100, kMarginRight = 50, kMarginTop = 130, kMarginBottom = 90;
@@ -22,33 +21,8 @@ constexpr int kMostGridLines = 64;
 constexpr double kSmallestSpan = 1.0;  // metres shown of a camera that stands still
 constexpr double kEmptyBorder = 0.06;  // of the span, on each side of the path
 
-// BGR. Blue and vermilion of Okabe and Ito's palette, told apart by colour-blind readers too.
-const cv::Scalar kPaper(255, 255, 255), kInk(45, 45, 45), kFaintInk(120, 120, 120), kGrid(232, 232, 232),
-    kFrame(180, 180, 180), kTruthColour(150, 150, 150), kEstimateColour(178, 114, 0),
-    kStartColour(115, 158, 0), kEndColour(0, 94, 213);
-
-enum class Anchor { left, centre, right };
-
-// Text whose baseline starts, is centred or ends at `position` (final pixels); `height` of capitals likewise.
-void draw_text(cv::Mat& canvas, const std::string& text, cv::Point2d position, double height, Anchor anchor,
-               const cv::Scalar& colour, bool bold = false) {
-  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-  const int thickness = bold ? 4 : 2;
-  const double scale =
-      cv::getFontScaleFromHeight(kFont, static_cast<int>(std::lround(height * kSupersampling)), thickness);
-  const cv::Size size = cv::getTextSize(text, kFont, scale, thickness, nullptr);
-  const double shift = anchor == Anchor::left ? 0.0 : anchor == Anchor::centre ? 0.5 : 1.0;
-  const cv::Point origin(cv::saturate_cast<int>(position.x * kSupersampling - shift * size.width),
-                         cv::saturate_cast<int>(position.y * kSupersampling));
-  cv::putText(canvas, text, origin, kFont, scale, colour, thickness, cv::LINE_AA);
-}
-
-int text_width(const std::string& text, double height) {
-  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-  const double scale =
-      cv::getFontScaleFromHeight(kFont, static_cast<int>(std::lround(height * kSupersampling)), 2);
-  return cv::getTextSize(text, kFont, scale, 2, nullptr).width / kSupersampling;
-}
+const cv::Scalar kFrame(180, 180, 180), kTruthColour(150, 150, 150), kEstimateColour(178, 114, 0),
+    kStartColour(115, 158, 0), kEndColour(0, 94, 213);  // BGR
 
 std::vector<cv::Point2d> project(const Trajectory& trajectory, PlotPlane plane) {
   std::vector<cv::Point2d> points;
@@ -107,19 +81,6 @@ View make_view(const std::vector<cv::Point2d>& estimate, const std::vector<cv::P
   view.low = {centre.x - 0.5 * view.frame.width / view.pixels_per_metre,
               centre.y - 0.5 * view.frame.height / view.pixels_per_metre};
   return view;
-}
-
-// 1, 2 or 5 times a power of ten, at least `smallest`.
-double round_step(double smallest) {
-  const double power = std::pow(10.0, std::floor(std::log10(smallest)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= smallest) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-cv::Point scaled(const cv::Point2d& point) {
-  return {cv::saturate_cast<int>(point.x * kSupersampling), cv::saturate_cast<int>(point.y * kSupersampling)};
 }
 
 void draw_grid(cv::Mat& canvas, const View& view, PlotPlane plane) {

@@ -109,7 +109,7 @@ std::optional<VerifiedPlace> verify_place(const StereoCamera& camera, const Map&
   ransac.fewest_inliers = settings.fewest_ransac_inliers;
   const std::optional<PnpResult> pnp = solve_pnp_ransac(camera, pairs.observations, ransac);
   if (!pnp) return std::nullopt;
-  PoseEstimate estimate = optimize_pose(camera, pnp->T_cw, pairs.observations);
+  PoseEstimate estimate = optimize_pose(camera, *pnp, pairs.observations);
   if (estimate.inliers < settings.fewest_ransac_inliers) return std::nullopt;
 
   VerifiedPlace place;

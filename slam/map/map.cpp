@@ -76,6 +76,7 @@ std::unique_ptr<KeyFrame> Map::new_keyframe(int frame_index, double timestamp, c
 }
 
 KeyFrame* Map::insert_keyframe(std::unique_ptr<KeyFrame> keyframe) {
+  newest_submap_ = std::max(newest_submap_, keyframe->submap);
   keyframes_.push_back(std::move(keyframe));
   active_keyframes_.push_back(keyframes_.back().get());
   return active_keyframes_.back();

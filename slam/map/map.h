@@ -33,6 +33,10 @@ class Map {
   const std::vector<KeyFrame*>& keyframes() const { return active_keyframes_; }
   const std::vector<std::unique_ptr<MapPoint>>& points() const { return points_; }
 
+  // What the next keyframe and the next point will be numbered.
+  int next_keyframe_id() const { return next_keyframe_id_; }
+  int next_point_id() const { return next_point_id_; }
+
   // A keyframe that is no part of the map yet; numbered in the order of the calls, which one thread makes,
   // with or without the lock.
   std::unique_ptr<KeyFrame> new_keyframe(int frame_index, double timestamp, const SE3& T_cw,

@@ -20,12 +20,10 @@ constexpr std::uint32_t kMostLevels = 64;
 using Colour = std::array<std::uint8_t, 3>;
 static_assert(sizeof(Keypoint) == 20 && sizeof(Descriptor) == 32 && sizeof(Colour) == 3);
 constexpr std::size_t kFeatureBytes = 20 + 32 + 4 + 4 + 1 + 3;
-constexpr std::size_t kKeyframeBytes = 4 + 8 + 12 * 8 + 4;
-constexpr std::size_t kPointBytes = 24 + 8 + 3 + 4;
-
-struct FileObservation {
-  std::uint32_t keyframe, feature;
-};
+constexpr std::size_t kKeyframeBytes = 4 + 8 + 12 * 8 + 4 + 4;  // without features
+constexpr std::size_t kPointBytes = 24 + 8 + 3 + 4 + 4;         // without patch and observations
+constexpr std::size_t kObservationBytes = 4 + 4 + 1;
+constexpr int kMostSubmaps = 1 << 30;
 
 void put_camera(ByteWriter& out, const StereoCamera& c) {
   for (const double value : {c.fx, c.fy, c.cx, c.cy, c.baseline}) out.put(value);
@@ -43,6 +41,7 @@ void put_keyframe(ByteWriter& out, const KeyFrame& keyframe) {
   out.put<std::int32_t>(keyframe.frame_index);
   out.put(keyframe.timestamp);
   put_pose(out, keyframe.T_cw);
+  out.put<std::int32_t>(keyframe.submap);
   const FrameFeatures& f = *keyframe.features;
   out.put(static_cast<std::uint32_t>(f.size()));
   out.put_array(std::span(f.left.keypoints));
@@ -53,15 +52,26 @@ void put_keyframe(ByteWriter& out, const KeyFrame& keyframe) {
   out.put_array(std::span(f.colour));
 }
 
+void put_patch(ByteWriter& out, const MapPoint& point) {
+  const bool is_usable = !point.patch.empty() && point.patch_depth > 0.0;
+  out.put<std::int32_t>(is_usable ? point.patch.level : -1);
+  if (!is_usable) return;
+  out.put(point.patch_depth);
+  for (int i = 0; i < 2; ++i) out.put(point.patch.offset[i]);
+  out.put(point.patch.pixels);
+}
+
 void put_point(ByteWriter& out, const MapPoint& point, const std::vector<std::uint32_t>& place_of) {
   for (int i = 0; i < 3; ++i) out.put(point.position[i]);
   out.put<std::int32_t>(point.visible);
   out.put<std::int32_t>(point.found);
   out.put(point.colour);
+  put_patch(out, point);
   out.put(static_cast<std::uint32_t>(point.observations.size()));
   for (const Observation& o : point.observations) {
-    out.put(FileObservation{place_of[static_cast<std::size_t>(o.keyframe->id)],
-                            static_cast<std::uint32_t>(o.feature)});
+    out.put(place_of[static_cast<std::size_t>(o.keyframe->id)]);
+    out.put(static_cast<std::uint32_t>(o.feature));
+    out.put(o.keyframe->aligned[static_cast<std::size_t>(o.feature)]);
   }
 }
 
@@ -140,6 +150,9 @@ void get_keyframe(ByteReader& in, const StereoCamera& camera, Map& map) {
   const int frame_index = in.get<std::int32_t>("frame number");
   const double timestamp = get_finite(in, "timestamp");
   const SE3 T_cw = get_pose(in);
+  const int submap = in.get<std::int32_t>("sub-map");
+  if (submap < 0 || submap >= kMostSubmaps)
+    throw_invalid(in, "the number of a sub-map", fmt::format("{}", submap));
   const std::uint32_t count = in.get_count(kFeatureBytes, "features");
   auto f = std::make_shared<FrameFeatures>();
   f->left.keypoints = in.get_array<Keypoint>(count, "keypoints");
@@ -150,7 +163,22 @@ void get_keyframe(ByteReader& in, const StereoCamera& camera, Map& map) {
   f->colour = in.get_array<Colour>(count, "colours");
   check_features(in, *f, camera, static_cast<int>(map.scales().size()));
   f->grid = FeatureGrid(f->left.keypoints, camera.width, camera.height);
-  map.add_keyframe(frame_index, timestamp, T_cw, std::move(f));
+  std::unique_ptr<KeyFrame> keyframe = map.new_keyframe(frame_index, timestamp, T_cw, std::move(f));
+  keyframe->submap = submap;
+  map.insert_keyframe(std::move(keyframe));
+}
+
+void get_patch(ByteReader& in, int levels, MapPoint& point) {
+  const int level = in.get<std::int32_t>("patch level");
+  if (level == -1) return;
+  point.patch_depth = get_finite(in, "depth of a patch");
+  for (int i = 0; i < 2; ++i) point.patch.offset[i] = in.get<float>("patch offset");
+  point.patch.pixels = in.get<decltype(Patch::pixels)>("patch");
+  point.patch.level = level;
+  if (level < 0 || level >= levels || !(point.patch_depth > 0.0) || !(point.patch.offset.norm() < 1e3F)) {
+    throw_invalid(in, "a patch of a point before the camera",
+                  fmt::format("level {}, depth {}", level, point.patch_depth));
+  }
 }
 
 void get_point(ByteReader& in, Map& map) {
@@ -161,15 +189,18 @@ void get_point(ByteReader& in, Map& map) {
   if (visible < 1 || found < 0) {
     throw_invalid(in, "counts of frames that saw a point", fmt::format("{} and {}", visible, found));
   }
-  const std::uint32_t count = in.get_count(sizeof(FileObservation), "observations");
+  MapPoint head;
+  get_patch(in, static_cast<int>(map.scales().size()), head);
+  const std::uint32_t count = in.get_count(kObservationBytes, "observations");
   if (count == 0) throw_invalid(in, "a point that a keyframe sees", "none");
   MapPoint* point = nullptr;
   std::int64_t last = -1;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto [k, feature] = in.get<FileObservation>("observation");
+    const auto k = in.get<std::uint32_t>("observation"), feature = in.get<std::uint32_t>("observation");
+    const char aligned = in.get<char>("observation");
     const auto& keyframes = map.keyframes();
     if (k >= keyframes.size() || k <= last || feature >= keyframes[k]->points.size() ||
-        keyframes[k]->points[feature] != nullptr) {
+        keyframes[k]->points[feature] != nullptr || aligned < 0 || aligned > 1) {
       throw_invalid(in, "the free feature of a later keyframe",
                     fmt::format("feature {} of keyframe {}", feature, k));
     }
@@ -179,7 +210,10 @@ void get_point(ByteReader& in, Map& map) {
     } else {
       map.add_observation(point, keyframes[k], static_cast<int>(feature));
     }
+    keyframes[k]->aligned[feature] = aligned;
   }
+  point->patch = head.patch;
+  point->patch_depth = head.patch_depth;
   point->visible = visible;
   point->found = found;
   point->colour = colour;
@@ -216,6 +250,21 @@ void write_map(const std::filesystem::path& path, const StereoCamera& camera, co
   file.put(static_cast<std::uint64_t>(body.bytes().size()));
   file.put_array(std::span(body.bytes()));
   nn::write_file(path, file.bytes());
+}
+
+void require_same_camera(const StereoCamera& of_map, const StereoCamera& now, const std::string& place) {
+  constexpr double kTolerance = 1e-4;
+  const double pixels = kTolerance * now.fx;
+  const bool same = of_map.width == now.width && of_map.height == now.height &&
+                    std::abs(of_map.fx - now.fx) <= pixels && std::abs(of_map.fy - now.fy) <= pixels &&
+                    std::abs(of_map.cx - now.cx) <= pixels && std::abs(of_map.cy - now.cy) <= pixels &&
+                    std::abs(of_map.baseline - now.baseline) <= kTolerance * now.baseline;
+  if (same) return;
+  const auto text = [](const StereoCamera& c) {
+    return fmt::format("fx {:.6g} fy {:.6g} cx {:.6g} cy {:.6g} baseline {:.6g} size {}x{}", c.fx, c.fy, c.cx,
+                       c.cy, c.baseline, c.width, c.height);
+  };
+  throw InputError(place, "a map of the dataset's camera, " + text(now), text(of_map));
 }
 
 SavedMap read_map(const std::filesystem::path& path) {

@@ -29,7 +29,7 @@ struct LocalMapperSettings {
 class LocalMapper {
  public:
   LocalMapper(const StereoCamera& camera, Map& map, const LocalMapperSettings& settings)
-      : camera_(camera), map_(map), settings_(settings) {}
+      : camera_(camera), map_(map), settings_(settings), first_unproven_(map.next_point_id()) {}
 
   // `keyframe` is of the map; `tracked`: per feature the point that the tracker found there, or nullptr;
   // `aligned`: 1 where it found the point's patch, too. Needs the map's lock alone.
@@ -52,7 +52,7 @@ class LocalMapper {
   const StereoCamera camera_;
   Map& map_;
   const LocalMapperSettings settings_;
-  int first_unproven_ = 0;  // id of the oldest point that is still on probation
+  int first_unproven_;  // id of the oldest point that is still on probation; all of a loaded map are proven
 };
 
 }  // namespace penumbra::slam

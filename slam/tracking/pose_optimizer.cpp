@@ -93,6 +93,10 @@ class Problem {
     return count;
   }
 
+  // Only these take part, until classify() is called.
+  void begin_with(const std::vector<char>& inlier) {
+    for (std::size_t i = 0; i < inlier_.size(); ++i) inlier_[i] = usable_[i] && inlier[i];
+  }
   std::vector<char> inlier() const { return inlier_; }
 
  private:
@@ -101,13 +105,12 @@ class Problem {
   std::vector<char> usable_, inlier_;
 };
 
-}  // namespace
-
-PoseEstimate optimize_pose(const StereoCamera& camera, const SE3& initial,
-                           std::span<const PoseObservation> observations) {
+PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
+                      std::span<const PoseObservation> observations, const std::vector<char>* begin_with) {
   const PoseEstimate failed{initial, std::vector<char>(observations.size(), 0), 0};
   if (observations.size() < 3 || !initial.is_finite()) return failed;
   Problem problem(camera, observations);
+  if (begin_with != nullptr) problem.begin_with(*begin_with);
   SE3 T_cw = initial;
   int inliers = 0;
   for (int round = 0; round < kRounds; ++round) {
@@ -118,6 +121,18 @@ PoseEstimate optimize_pose(const StereoCamera& camera, const SE3& initial,
   T_cw.normalize();
   if (!T_cw.is_finite()) return failed;
   return {T_cw, problem.inlier(), inliers};
+}
+
+}  // namespace
+
+PoseEstimate optimize_pose(const StereoCamera& camera, const SE3& initial,
+                           std::span<const PoseObservation> observations) {
+  return optimize(camera, initial, observations, nullptr);
+}
+
+PoseEstimate optimize_pose(const StereoCamera& camera, const PnpResult& initial,
+                           std::span<const PoseObservation> observations) {
+  return optimize(camera, initial.T_cw, observations, &initial.inlier);
 }
 
 }  // namespace penumbra::slam

@@ -28,5 +28,9 @@ struct PoseEstimate {
 // usable observations, or a start that is not finite: `initial` comes back with no inliers.
 PoseEstimate optimize_pose(const StereoCamera& camera, const SE3& initial,
                            std::span<const PoseObservation> observations);
+// The same from what RANSAC has found: the first round leaves out what did not agree there. Where a third or
+// more of the pairs are wrong, these would draw the pose away from all others.
+PoseEstimate optimize_pose(const StereoCamera& camera, const PnpResult& initial,
+                           std::span<const PoseObservation> observations);
 
 }  // namespace penumbra::slam

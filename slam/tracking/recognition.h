@@ -1,16 +1,17 @@
 // Finds where an image was taken without a prediction: in the whole map.
 //
-//   the newest keyframes of the map (the index learns of them late)    -> verify each by geometry
-//   none of them: the best places of the place index (place_index.h)   -> verify each by geometry
-//     -> the one that most points agree with                              (place_verifier.h)
+//   keyframes where the camera was last (the index learns of new ones late) -> verify each by geometry
+//   none of them: the best places of the place index (place_index.h)        -> verify each by geometry
+//     -> the one that most points agree with                                   (place_verifier.h)
 //
-// Near the newest keyframes a few points that agree are enough, since the camera was there a moment ago;
-// anywhere else the proof must be as strong as a loop's. Cost: about 5 ms for every keyframe compared.
+// Where the camera was last a few points that agree are enough, since it was there a moment ago; anywhere
+// else the proof must be as strong as a loop's. Cost: about 5 ms for every keyframe compared.
 // Source: Mur-Artal, Tardos, ORB-SLAM (T-RO 2015), section V-C.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "slam/features/frame_features.h"
 #include "slam/geometry/stereo_camera.h"
@@ -21,19 +22,20 @@
 namespace penumbra::slam {
 
 struct RecognitionSettings {
-  int newest_keyframes = 5;
+  int last_keyframes = 5;
   int candidates = 5;  // places of the index
-  // What a keyframe needs to be recognised: among the newest, and anywhere.
-  PlaceVerifierSettings newest{
+  // What a keyframe needs to be recognised: where the camera was last, and anywhere.
+  PlaceVerifierSettings last{
       .fewest_ransac_inliers = 12, .fewest_inliers = 20, .least_share = 0.0, .fewest_cells = 3};
   PlaceVerifierSettings anywhere;
 };
 
 // The image's pose in the map, the keyframe that was recognised and the points that it shows; nothing where
-// no keyframe is proven. `index` holds keyframes of `map`. The random draws depend on `seed` only. Needs the
-// map's lock shared.
+// no keyframe is proven. `last`: keyframes where the camera was last, best first; `index` holds keyframes of
+// `map`. The random draws depend on `seed` only. Needs the map's lock shared.
 std::optional<VerifiedPlace> recognise_image(const StereoCamera& camera, const Map& map,
-                                             const PlaceIndex& index, const FrameFeatures& features,
-                                             std::uint64_t seed, const RecognitionSettings& settings = {});
+                                             const PlaceIndex& index, std::span<KeyFrame* const> last,
+                                             const FrameFeatures& features, std::uint64_t seed,
+                                             const RecognitionSettings& settings = {});
 
 }  // namespace penumbra::slam

@@ -24,22 +24,30 @@ TrackingReport Tracker::track(Frame& frame) {
 
   refresh_last_frame();
   const SE3 predicted = motion_.predict(previous_T_cw_, previous_time_, frame.timestamp);
-  Located located = locate_by_last_frame(frame, predicted, report);
-  if (!located.success) {
-    located = recognise(frame);
-    if (located.success) located = locate_in_local_map(frame);
+  Located located = locate_by_prediction(frame, predicted, report);
+  if (!located.success || located.off_map) {
+    const Step step{frame.T_cw, frame.points, located.inliers};
+    Located recognised = recognise(frame);
+    if (recognised.success) recognised = locate_in_local_map(frame);
+    if (recognised.success) {
+      located = recognised;
+    } else if (located.off_map) {
+      take_step(frame, step);
+    }
   }
   report.map_inliers = located.inliers;
+  report.off_map = located.off_map;
   report.recovered = located.success && state_ == TrackingState::lost;
   if (!located.success) {
     frame.T_cw = predicted;
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
   }
   finish(frame, located.success);
-  report.wants_keyframe = sharp_enough(
-      frame,
-      located.success && becomes_keyframe(frame, *reference_, frames_since_keyframe_, settings_.keyframes));
-  if (lost_with_view_ >= settings_.lost_before_restart) {
+  report.wants_keyframe =
+      sharp_enough(frame, settings_.extends_map && located.success &&
+                              (located.off_map || becomes_keyframe(frame, *reference_, frames_since_keyframe_,
+                                                                   settings_.keyframes)));
+  if (settings_.extends_map && lost_with_view_ >= settings_.lost_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
   report.state = state_;
@@ -151,8 +159,9 @@ std::optional<Eigen::Vector3d> Tracker::last_point(int i) const {
   return last_.T_cw.inverse() * camera_.back_project(k.u, k.v, last_.features->depth[at]);
 }
 
-// A rough pose where no motion is known: a search around the last pose would find far points only, and those
-// fit any small motion. So descriptors are compared without a window, and P3P finds the pose in RANSAC.
+// A rough pose where no motion is known, or it has changed: a search around the last pose would find far
+// points only, and those fit any small motion. So descriptors are compared without a window, and P3P finds
+// the pose in RANSAC.
 std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
   std::vector<PoseObservation> observations;
   for (const Match& match :
@@ -166,31 +175,44 @@ std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
   ransac.fewest_inliers = settings_.fewest_frame_inliers;
   const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
   if (!pnp) return std::nullopt;
-  return optimize_pose(camera_, pnp->T_cw, observations).T_cw;
+  return optimize_pose(camera_, *pnp, observations).T_cw;
 }
 
-// Around the predicted pose; where the motion is not known, or not what was predicted, around what the last
-// frame's looks say.
-Tracker::Located Tracker::locate_by_last_frame(Frame& frame, const SE3& predicted, TrackingReport& report) {
+// First against the last frame that was located, in a narrow and then a wide window around the predicted pose
+// or, where that is no help, around the one that descriptors tell; then against the map. Where the map has
+// too few points here, as after a fast turn, what the last frame tells is enough if it tells it clearly: a
+// keyframe then makes the points.
+Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
   if (last_.features == nullptr) return {};  // in a map that was loaded nothing came before
+  Step best;
+  const auto locate_around = [&](const SE3& start) {
+    for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
+      frame.T_cw = start;
+      Located located = locate_from_last_frame(frame, radius, report);
+      report.frame_inliers = located.inliers;
+      if (!located.success) continue;
+      if (located.inliers > best.inliers) best = {frame.T_cw, frame.points, located.inliers};
+      located = locate_in_local_map(frame);
+      if (located.success) return located;
+    }
+    return Located{};
+  };
   if (motion_.known()) {
-    const Located located = locate_around(frame, predicted, report);
-    if (located.success) return located;
+    if (const Located located = locate_around(predicted); located.success) return located;
   }
-  const std::optional<SE3> start = pose_from_last_frame(frame);
-  return start ? locate_around(frame, *start, report) : Located{};
+  best = {};  // far points alone fit any motion: only RANSAC's may be a step
+  if (const std::optional<SE3> start = pose_from_last_frame(frame)) {
+    if (const Located located = locate_around(*start); located.success) return located;
+  }
+  if (!settings_.extends_map || best.inliers < settings_.fewest_step_inliers) return {};
+  take_step(frame, best);
+  return {true, best.inliers, true};
 }
 
-// First against the last frame that was located, in a narrow and then a wide window, then against the map.
-Tracker::Located Tracker::locate_around(Frame& frame, const SE3& start, TrackingReport& report) {
-  for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
-    frame.T_cw = start;
-    Located located = locate_from_last_frame(frame, radius, report);
-    report.frame_inliers = located.inliers;
-    if (located.success) located = locate_in_local_map(frame);
-    if (located.success) return located;
-  }
-  return {};
+void Tracker::take_step(Frame& frame, const Step& step) {
+  frame.T_cw = step.T_cw;
+  frame.points = step.points;
+  std::fill(frame.aligned.begin(), frame.aligned.end(), 0);
 }
 
 Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, TrackingReport& report) {
@@ -227,12 +249,28 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
   return {true, estimate.inliers};
 }
 
+// Where the camera was last, best first: this run's newest keyframes; before there are any, the reference and
+// its neighbours in a map that was loaded.
+std::vector<KeyFrame*> Tracker::keyframes_near() const {
+  std::vector<KeyFrame*> near;
+  const std::vector<KeyFrame*>& all = map_.keyframes();
+  for (auto k = all.rbegin(); k != all.rend() && (*k)->id >= first_own_keyframe_; ++k) {
+    if (static_cast<int>(near.size()) == settings_.recognition.last_keyframes) return near;
+    near.push_back(*k);
+  }
+  if (!near.empty() || reference_ == nullptr) return near;
+  near.push_back(reference_);
+  for (const Covisible& c : reference_->covisibles) near.push_back(c.keyframe);
+  return near;
+}
+
 // Without a useful prediction.
 Tracker::Located Tracker::recognise(Frame& frame) {
   const auto scope = timer_.measure("recognise");
   unmapped_.clear();
-  std::optional<VerifiedPlace> found = recognise_image(
-      camera_, map_, index_, *frame.features, static_cast<std::uint64_t>(frame.index), settings_.recognition);
+  std::optional<VerifiedPlace> found =
+      recognise_image(camera_, map_, index_, keyframes_near(), *frame.features,
+                      static_cast<std::uint64_t>(frame.index), settings_.recognition);
   if (!found) return {};
   frame.T_cw = found->T_cw;
   frame.points = std::move(found->points);
@@ -248,11 +286,10 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   const std::vector<PoseObservation> observations = refine_observations(frame);
   const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
   const int inliers = keep_agreeing(frame, observations, estimate);
-  // What the last frame alone knows can hold the pose, too, until this one is a keyframe.
-  if (inliers + agreeing_unmapped(frame, estimate) < settings_.fewest_map_inliers) return {false, inliers};
+  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
   frame.T_cw = estimate.T_cw;
   for (MapPoint* point : frame.points) {
-    if (point != nullptr) ++point->found;
+    if (point != nullptr && settings_.extends_map) ++point->found;
   }
   return {true, inliers};
 }
@@ -264,7 +301,7 @@ void Tracker::match_local_points(Frame& frame, const std::vector<MapPoint*>& poi
   for (std::size_t i = 0; i < frame.points.size(); ++i) {
     if (frame.points[i] == nullptr) continue;
     taken[i] = 1;
-    ++frame.points[i]->visible;
+    frame.points[i]->visible += settings_.extends_map;
     matched.push_back(frame.points[i]);
   }
   std::sort(matched.begin(), matched.end());
@@ -274,7 +311,7 @@ void Tracker::match_local_points(Frame& frame, const std::vector<MapPoint*>& poi
     if (std::binary_search(matched.begin(), matched.end(), points[i])) continue;
     std::optional<Projection> projection = project_point(camera_, frame.T_cw, *points[i], map_.scales());
     if (!projection) continue;
-    ++points[i]->visible;
+    points[i]->visible += settings_.extends_map;
     projection->source = static_cast<int>(i);
     projections.push_back(*projection);
   }
@@ -315,21 +352,6 @@ std::vector<PoseObservation> Tracker::refine_observations(Frame& frame) const {
             refine(u.feature, u.point, (*last_.patches)[last], last_.features->depth[last]));
   }
   return observations;
-}
-
-// How many of the close points that the last frame alone knows agree with the pose.
-int Tracker::agreeing_unmapped(const Frame& frame, const PoseEstimate& estimate) const {
-  int agreeing = 0;
-  for (const Unmapped& u : unmapped_) {
-    const Eigen::Vector3d p = estimate.T_cw * u.point;
-    if (frame.points[static_cast<std::size_t>(u.feature)] != nullptr || !(p.z() > 0.0) ||
-        p.z() > settings_.keyframes.close_depth) {
-      continue;
-    }
-    const PixelMeasurement z = measurement_of(*frame.features, u.feature, map_.scales());
-    agreeing += reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
-  }
-  return agreeing;
 }
 
 // Lets go of the points that do not agree with the pose; returns how many stay. An aligned feature that

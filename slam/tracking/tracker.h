@@ -36,10 +36,12 @@ struct TrackerSettings {
   float map_search_radius = 4.0F;    // around a projection with the frame's own pose
   int fewest_initial_points = 50;    // stereo points that the first frame needs
   int fewest_frame_inliers = 20;     // of the match to the last frame
-  int fewest_map_inliers = 20;       // of the match to the local map and to what the last frame alone knows
+  int fewest_map_inliers = 20;       // of the match to the local map ...
+  int fewest_step_inliers = 50;      // ... or, where the map has too few, of the match to the last frame
   int local_keyframes = 20;          // whose points make the local map
   RecognitionSettings recognition;   // of a lost frame
   int lost_before_restart = 5;       // lost frames with enough points after which a new sub-map begins
+  bool extends_map = true;           // false: the map stays as it is, the camera is only located in it
   KeyframeSettings keyframes;        // which frames become one
   // A frame below this share of the usual sharpness (slam/features/sharpness.h) leaves it to one of the next
   // frames to become the keyframe; 0: no blur test.
@@ -54,6 +56,7 @@ struct TrackingReport {
   int frame_inliers = 0;        // pairs that agree with the pose
   int map_inliers = 0;          // map points that agree with the final pose
   bool recovered = false;       // a lost one, found again
+  bool off_map = false;         // located by the last frame alone: its keyframe begins new ground
   bool wants_keyframe = false;
   bool starts_submap = false;  // its keyframe is the first of a new sub-map
 };
@@ -67,6 +70,7 @@ class Tracker {
         index_(index),
         settings_(settings),
         timer_(timer),
+        first_own_keyframe_(map.next_keyframe_id()),
         sharpness_(settings.least_sharpness) {}
 
   // Locates `frame` (its features are given): fills pose, points and reference.
@@ -80,24 +84,31 @@ class Tracker {
   struct Located {
     bool success = false;
     int inliers = 0;
+    bool off_map = false;  // by the last frame alone: the map does not reach here yet
+  };
+  // Where a frame is by the match to the last frame.
+  struct Step {
+    SE3 T_cw;
+    std::vector<MapPoint*> points;  // as Frame::points
+    int inliers = 0;
   };
 
   bool shows_enough(const Frame& frame) const;
   bool start(Frame& frame);
   void remember(Frame& frame);
   void refresh_last_frame();
-  Located locate_by_last_frame(Frame& frame, const SE3& predicted, TrackingReport& report);
-  Located locate_around(Frame& frame, const SE3& start, TrackingReport& report);
+  Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
   std::optional<Eigen::Vector3d> last_point(int i) const;
   std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
+  std::vector<KeyFrame*> keyframes_near() const;
+  static void take_step(Frame& frame, const Step& step);
   Located recognise(Frame& frame);
   Located locate_in_local_map(Frame& frame);
   void match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const;
   std::vector<PoseObservation> refine_observations(Frame& frame) const;
   int keep_agreeing(Frame& frame, std::span<const PoseObservation> observations,
                     const PoseEstimate& estimate) const;
-  int agreeing_unmapped(const Frame& frame, const PoseEstimate& estimate) const;
   std::vector<Projection> project_last_frame(const SE3& T_cw) const;
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
@@ -109,6 +120,7 @@ class Tracker {
   const PlaceIndex& index_;
   const TrackerSettings settings_;
   StageTimer& timer_;
+  const int first_own_keyframe_;  // id; older ones are of a map that was loaded
 
   TrackingState state_ = TrackingState::initialising;
   Frame last_;                  // the last frame that was located

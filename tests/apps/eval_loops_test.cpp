@@ -26,9 +26,10 @@ class EvalLoops : public testing::Test {
     }
     slam::write_kitti_poses(folder / "poses.txt", truth);
     // Frames 10 to 139 were run; with frame 10 the lap begins.
-    slam::write_tum_trajectory(folder / "trajectory_tum.txt",
-                               slam::Trajectory(truth.begin() + 10, truth.end()));
-    for (int i = 10; i < 140; ++i) frames["index"].push_back(i);
+    for (int i = 10; i < 140; ++i) {
+      frames["index"].push_back(i);
+      frames["timestamp"].push_back(0.1 * i);
+    }
     run["loops"] = {{112, 13}, {120, 80}};
     run["keyframe_frames"] = {10, 16, 26, 106, 116, 126, 136};
     run["covisibility"] = {{116, 106, 90}, {116, 16, 60}, {126, 26, 55}};
@@ -95,6 +96,7 @@ TEST_F(EvalLoops, NamesWhatIsWrong) {
 
 TEST_F(EvalLoops, NamesAFrameWithoutGroundTruth) {
   frames["index"].push_back(140);
+  frames["timestamp"].push_back(14.0);
   const ProgramResult result = evaluate();
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("frame 140"), std::string::npos) << result.err;

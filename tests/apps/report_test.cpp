@@ -111,7 +111,7 @@ TEST_F(Report, LoadsInABrowserAndDrawsEverything) {
 }
 
 TEST_F(Report, ShowsARunWithoutGroundTruthAndGallery) {
-  std::filesystem::remove(run / "ground_truth_kitti.txt");
+  std::filesystem::remove(run / "ground_truth_tum.txt");
   std::filesystem::remove_all(run / "gallery");
   std::filesystem::remove(run / "map.ply");
   ASSERT_EQ(report().exit_code, 0);

@@ -29,6 +29,7 @@ TEST(SlamCommand, RefusesWrongArgumentsWithExitCode2) {
   EXPECT_EQ(test::run_penumbra("slam somewhere --out x --filter sometimes").exit_code, 2);
   EXPECT_EQ(test::run_penumbra("slam somewhere --out x --frames 7:3").exit_code, 2);
   EXPECT_EQ(test::run_penumbra("slam somewhere --out x --threads 0").exit_code, 2);
+  EXPECT_EQ(test::run_penumbra("slam somewhere --out x --least-sharpness 2").exit_code, 2);
 }
 
 TEST(SlamCommand, NamesTheFolderThatIsMissing) {
@@ -111,6 +112,64 @@ TEST(SlamCommand, KeepsWhatWasComputedBeforeATornImage) {
   EXPECT_NE(report["error"].get<std::string>().find("000005.png"), std::string::npos);
   const std::string poses = contents(folder / "out" / "trajectory_kitti.txt");
   EXPECT_EQ(std::count(poses.begin(), poses.end(), '\n'), 5);
+}
+
+// Two drives along one street: in the second the light is another and other cars pass.
+TEST(SlamCommand, FindsItsWayInASavedMapAndGoesOnWithIt) {
+  const test::TemporaryDirectory folder;
+  const std::string root = folder.path().string();
+  const auto run = [&](const std::string& arguments) {
+    const test::ProgramResult result = test::run_penumbra(arguments);
+    EXPECT_EQ(result.exit_code, 0) << arguments << result.err;
+    return result;
+  };
+  const auto report = [&](const char* out) {
+    return nlohmann::json::parse(contents(folder / out / "run.json"));
+  };
+  run(fmt::format("synth --frames 24 --size 310x94 --out {}/first", root));
+  run(fmt::format("synth --frames 24 --size 310x94 --traffic 4 --light overcast --noise 3 --out {}/second",
+                  root));
+  run(fmt::format("slam {0}/first --frames 0:18 --deterministic --save-map {0}/street.map --out {0}/a",
+                  root));
+  const std::string saved = contents(folder / "street.map");
+
+  run(fmt::format(
+      "slam {0}/second --frames 2:16 --deterministic --load-map {0}/street.map --localise --out {0}/b",
+      root));
+  EXPECT_EQ(report("b")["tracked"], 14);
+  EXPECT_EQ(report("b")["keyframes"], 0);
+  EXPECT_EQ(report("b")["loaded_keyframes"], report("a")["keyframes"]);
+  EXPECT_LT(report("b")["ground_truth"]["ape_rmse_m"], 0.1);
+  EXPECT_EQ(contents(folder / "street.map"), saved);
+
+  run(fmt::format(
+      "slam {0}/second --frames 6:24 --deterministic --load-map {0}/street.map --save-map {0}/longer.map "
+      "--out {0}/c",
+      root));
+  EXPECT_EQ(report("c")["tracked"], 18);
+  EXPECT_GT(report("c")["keyframes"], 0);
+  EXPECT_GT(report("c")["loaded_keyframes"], 0);
+  EXPECT_GT(contents(folder / "longer.map").size(), saved.size());
+
+  // Another camera's, a torn one, none, nowhere to write.
+  const auto refused = [&](const std::string& options, int exit_code, const char* what) {
+    const test::ProgramResult result =
+        test::run_penumbra(fmt::format("slam {0}/first --frames 0:3 --out {0}/refused {1}", root, options));
+    EXPECT_EQ(result.exit_code, exit_code) << options;
+    EXPECT_NE(result.err.find(what), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "refused"));
+  };
+  std::filesystem::resize_file(folder / "longer.map", 1000);
+  refused(fmt::format("--load-map {}/longer.map", root), 1, "torn");
+  refused(fmt::format("--load-map {}/none.map", root), 1, "none.map");
+  refused("--localise", 2, "--load-map");
+  refused(fmt::format("--localise --load-map {0}/street.map --save-map {0}/x.map", root), 2, "--save-map");
+  refused(fmt::format("--save-map {}/nowhere/x.map", root), 1, "nowhere");
+  run(fmt::format("synth --frames 2 --size 200x94 --out {}/other", root));
+  const test::ProgramResult other =
+      test::run_penumbra(fmt::format("slam {0}/other --load-map {0}/street.map --out {0}/refused", root));
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.err.find("a map of the dataset's camera"), std::string::npos) << other.err;
 }
 
 }  // namespace

@@ -236,23 +236,31 @@ def map_files():
     levels = struct.pack("<I2d", 2, 1.0, 1.2)
     pose = struct.pack("<12d", 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0)
 
-    def keyframe(frame, pose=pose, u=100.0, level=1):
+    def keyframe(frame, pose=pose, u=100.0, level=1, submap=0):
         feature = struct.pack("<ffiff32sff", u, 50.0, level, 0.1, 9.0, bytes(32), 60.0, 9.7)
-        return struct.pack("<id", frame, 0.1 * frame) + pose + struct.pack("<I", 1) + feature + bytes(4)
+        return struct.pack("<id", frame, 0.1 * frame) + pose + struct.pack("<iI", submap, 1) + feature + bytes(4)
 
-    def point(*observations, x=1.0):
-        head = struct.pack("<3d2i", x, 0.0, 9.7, 3, 2) + bytes(3) + struct.pack("<I", len(observations))
-        return head + b"".join(struct.pack("<II", k, f) for k, f in observations)
+    def patch(level=1, depth=9.7):
+        return struct.pack("<id2f", level, depth, 0.1, -0.2) + bytes(225)
 
-    def file(keyframes, points, version=1, levels=levels):
+    def point(*observations, x=1.0, patch=struct.pack("<i", -1), aligned=1):
+        head = struct.pack("<3d2i", x, 0.0, 9.7, 3, 2) + bytes(3) + patch + struct.pack("<I", len(observations))
+        return head + b"".join(struct.pack("<IIB", k, f, aligned) for k, f in observations)
+
+    def file(keyframes, points, version=2, levels=levels):
         body = camera + levels + struct.pack("<I", len(keyframes)) + b"".join(keyframes)
         body += struct.pack("<I", len(points)) + b"".join(points)
         return b"PENUMAP\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
 
     two = [keyframe(0), keyframe(5)]
     yield "valid_two", file(two, [point((0, 0), (1, 0))])
+    yield "valid_patch", file(two, [point((0, 0), (1, 0), patch=patch(), aligned=0)])
     yield "valid_empty", file([], [])
-    yield "bad_version", file(two, [], version=2)
+    yield "bad_version", file(two, [], version=1)
+    yield "bad_submap", file([keyframe(0, submap=-1)], [])
+    yield "bad_patch_level", file(two, [point((0, 0), patch=patch(level=2))])
+    yield "bad_patch_depth", file(two, [point((0, 0), patch=patch(depth=-1.0))])
+    yield "bad_aligned", file(two, [point((0, 0), aligned=2)])
     yield "bad_feature", file(two, [point((0, 0), (1, 1))])
     yield "bad_keyframe", file(two, [point((0, 0), (2, 0))])
     yield "bad_order", file(two, [point((1, 0), (0, 0))])
@@ -266,12 +274,59 @@ def map_files():
     yield "bad_torn", file(two, [])[:-3]
 
 
+def camera_files():
+    rectified = "fx: 70\nfy: 70\ncx: 40\ncy: 30\nbaseline: 0.12\n"
+    lens = "  fx: 70\n  fy: 70\n  cx: 40\n  cy: 30\n  distortion: [-0.3, 0.1, 0.0, 0.0]\n"
+    raw = f"rectified: false\nwidth: 80\nheight: 60\nleft:\n{lens}right:\n{lens}"
+    motion = "T_right_left: [1, 0, 0, -0.1,\n  0, 1, 0, 0,\n  0, 0, 1, 0]\n"
+    euroc = ("%YAML:1.0\nT_BS:\n  cols: 4\n  data: [0, -1, 0, 0.1, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+             "resolution: [752, 480]\nintrinsics: [458.6, 457.3, 367.2, 248.4] #fu\ndistortion_model: radial-tangential\n"
+             "distortion_coefficients: [-0.28, 0.07, 0.0002, 1.7e-05]\n")
+    yield "valid_rectified", (rectified + "colour: true\nrate: 10\n").encode()
+    yield "valid_raw", (raw + motion).encode()
+    yield "valid_rgbd", (rectified + "sensor: rgbd\ndepth_factor: 5000\n").encode()
+    yield "valid_rows", (raw + "T_right_left:\n- [1, 0, 0, -0.1]\n- [0, 1, 0, 0]\n- [0, 0, 1, 0]\n").encode()
+    yield "valid_euroc", euroc.encode()
+    yield "bad_empty", b""
+    yield "bad_zero_focal_length", rectified.replace("70", "0").encode()
+    yield "bad_nan", rectified.replace("40", "nan").encode()
+    yield "bad_no_motion", raw.encode()
+    yield "bad_motion", (raw + motion.replace("[1", "[3")).encode()
+    yield "bad_open_list", euroc.replace("0, 1]", "0, 1").encode()
+    yield "bad_size", euroc.replace("752", "1e9").encode()
+    yield "bad_twice", (rectified + rectified).encode()
+    yield "bad_tab", b"left:\n\tfx: 1\n"
+    yield "bad_deep", "".join(" " * d + "k:\n" for d in range(50)).encode()
+    yield "bad_not_text", bytes(range(256))
+
+
+def image_lists():
+    yield "valid_tum", b"# timestamp filename\n1305031102.175304 rgb/1305031102.175304.png\n1305031102.3 rgb/2.png\n"
+    yield "valid_euroc", b"#timestamp [ns],filename\r\n1403715273262142976,1403715273262142976.png\r\n"
+    yield "bad_empty", b"# nothing\n"
+    yield "bad_out_of_folder", b"1.5 ../../a.png\n"
+    yield "bad_absolute", b"1,/a.png\n"
+    yield "bad_back", b"2 a.png\n1 b.png\n"
+    yield "bad_time", b"nan a.png\n"
+    yield "bad_no_name", b"5\n"
+
+
+def euroc_ground_truths():
+    yield "valid_two", b"#t,x,y,z,w,x,y,z\n1403636580838555648,4.6,-1.7,0.78,1,0,0,0,0.1\n1403636580843555648,4,1,0,0,1,0,0\n"
+    yield "bad_empty", b"#t\n"
+    yield "bad_quaternion", b"1,0,0,0,2,0,0,0\n"
+    yield "bad_columns", b"1,0,0,0,1\n"
+    yield "bad_back", b"2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"
+    yield "bad_nan", b"1,nan,0,0,1,0,0,0\n"
+
+
 def write_all(out):
     seeds = {"pickle": pickles, "torch_zip": zips, "torch_legacy": legacy, "safetensors": safetensors_files,
              "coco_rle": codes, "image_container": images, "image_file": images_for_the_decoder, "number_file": number_files,
              "kitti_calibration": calibrations, "trajectory": trajectories, "class_names": class_lists,
              "frame_range": frame_ranges, "coco_annotations": coco_annotation_files,
-             "coco_results": coco_result_files, "map_file": map_files}
+             "coco_results": coco_result_files, "map_file": map_files,
+             "camera_file": camera_files, "image_list": image_lists, "euroc_ground_truth": euroc_ground_truths}
     for target, make in seeds.items():
         folder = out / target
         folder.mkdir(parents=True, exist_ok=True)

@@ -25,6 +25,9 @@ constexpr std::array kTargets = {
     Target{"coco_annotations", read_coco_annotations},
     Target{"coco_results", read_coco_results},
     Target{"map_file", read_map_file},
+    Target{"camera_file", read_camera_file},
+    Target{"image_list", read_image_list},
+    Target{"euroc_ground_truth", read_euroc_ground_truth},
 };
 
 constexpr std::size_t kLongestMessage = 4096;  // bytes: 64 extents and 64 strides of 64 bits fit

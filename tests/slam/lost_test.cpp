@@ -73,6 +73,16 @@ TEST_F(Lost, DoubleAndTripleStepAreFollowed) {
   }
 }
 
+// After standing still no prediction leads to the next frame, and the last keyframe alone has made points.
+TEST_F(Lost, AStepThatNobodyExpectsIsFollowed) {
+  Slam slam(world.camera(), settings);
+  for (int i = 0; i < 6; ++i) show(slam, 0.0);
+  drive(slam, 3.0, 60.0, 3.0);
+  EXPECT_EQ(slam.lost(), 0);
+  EXPECT_EQ(slam.submaps().size(), 1U);
+  EXPECT_LT(error(slam, truth.size() - 1), 0.5);
+}
+
 TEST_F(Lost, ANewPieceIsMergedWhenItComesToAKnownPlace) {
   Slam slam(world.camera(), settings);
   drive(slam, 0.0, 25.0);

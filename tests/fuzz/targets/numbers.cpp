@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "nn/io/number_file.h"
+#include "slam/datasets/euroc_files.h"
 #include "slam/datasets/kitti_calibration.h"
 #include "slam/geometry/trajectory_io.h"
 #include "tests/fuzz/memory_file.h"
@@ -64,6 +65,11 @@ bool read_trajectory(std::string_view bytes) {
     has_poses |= is_read([&] { require_trajectory(slam::read_trajectory(file.path(), format)); });
   }
   return has_poses;
+}
+
+bool read_euroc_ground_truth(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  return is_read([&] { require_trajectory(slam::read_euroc_ground_truth(file.path())); });
 }
 
 }  // namespace penumbra::fuzz

@@ -181,6 +181,24 @@ TEST(PoseOptimizer, ReturnsToThePoseDespiteOutliers) {
   for (std::size_t i = 0; i < observations.size(); ++i) EXPECT_EQ(estimate.inlier[i] != 0, i % 4 != 0);
 }
 
+// More than half of the pairs are wrong, all to one side.
+TEST(PoseOptimizer, GoesOnFromWhatRansacHasFound) {
+  const StereoCamera camera = test_camera();
+  const SE3 truth = random_motion(8, 1.0, 0.1);
+  std::vector<Eigen::Vector3d> points = visible_points(camera, 200, 9);
+  for (Eigen::Vector3d& p : points) p = truth.inverse() * p;
+  std::vector<PoseObservation> observations = observe(camera, truth, points);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (i >= 90)
+      observations[i].measurement.pixel += Eigen::Vector3d(80.0 + 3.0 * double(i % 50), 40.0, 80.0);
+  }
+  const std::optional<PnpResult> pnp = solve_pnp_ransac(camera, observations, {});
+  ASSERT_TRUE(pnp);
+  const PoseEstimate estimate = optimize_pose(camera, *pnp, observations);
+  EXPECT_LT(difference(estimate.T_cw, truth), 1e-4);
+  EXPECT_GE(estimate.inliers, 90);
+}
+
 TEST(PoseOptimizer, TakesNumbersThatAreNoneAndTooFewPoints) {
   const StereoCamera camera = test_camera();
   std::vector<PoseObservation> observations = observe(camera, SE3{}, visible_points(camera, 50, 11));

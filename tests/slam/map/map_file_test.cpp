@@ -46,12 +46,19 @@ class MapFile : public ::testing::Test {
     for (int i = 0; i < 50; ++i) {
       MapPoint* point = map.add_point({0.1 * i, -1.0, 10.0}, keyframes[0], i);
       if (i % 2 == 0) map.add_observation(point, keyframes[1], i);
-      map.add_observation(point, keyframes[2], 59 - i);
+      map.add_observation(point, keyframes[2], 59 - i, i % 2 == 0);
       map.update_point(point);
+      if (i % 5 != 0) {
+        point->patch.level = i % 3;
+        point->patch.offset = {0.1F, -0.2F};
+        point->patch.pixels[17] = static_cast<std::uint8_t>(i);
+        point->patch_depth = 9.0 + i;
+      }
       point->visible = 5 + i;
       point->found = i;
     }
     for (KeyFrame* k : keyframes) map.update_covisibility(k);
+    keyframes[3]->submap = 4;
     map.erase_point(map.points()[9].get());
     map.erase_keyframe(keyframes[1]);
     write_map(path, camera, map);
@@ -88,13 +95,27 @@ TEST_F(MapFile, GivesTheSameMapBack) {
     EXPECT_EQ(a.features->left.descriptors, b.features->left.descriptors);
     EXPECT_EQ(a.features->u_right, b.features->u_right);
     EXPECT_EQ(a.features->movable, b.features->movable);
+    EXPECT_EQ(a.features->colour, b.features->colour);
+    for (std::size_t i = 0; i < a.points.size(); ++i) {
+      ASSERT_EQ(a.points[i] != nullptr, b.points[i] != nullptr);
+      const bool shows_point = a.points[i] != nullptr;
+      EXPECT_EQ(shows_point && a.aligned[i] != 0, shows_point && b.aligned[i] != 0) << i;
+    }
+    EXPECT_EQ(a.submap, b.submap);
     EXPECT_EQ(a.covisibles.size(), b.covisibles.size());
   }
+  EXPECT_EQ(read.map->begin_submap(), 5);
   ASSERT_EQ(read.map->points().size(), 49U);
   const MapPoint &a = *map.points()[10], &b = *read.map->points()[9];
   EXPECT_EQ(a.position, b.position);
   EXPECT_EQ(a.descriptor, b.descriptor);
   EXPECT_EQ(a.visible, b.visible);
+  EXPECT_TRUE(b.patch.empty());
+  const MapPoint &c = *map.points()[12], &d = *read.map->points()[11];
+  EXPECT_EQ(c.patch.level, d.patch.level);
+  EXPECT_EQ(c.patch.pixels, d.patch.pixels);
+  EXPECT_EQ(c.patch.offset, d.patch.offset);
+  EXPECT_EQ(c.patch_depth, d.patch_depth);
   EXPECT_EQ(a.found, b.found);
   ASSERT_EQ(a.observations.size(), b.observations.size());
   EXPECT_EQ(a.observations[1].feature, b.observations[1].feature);
@@ -135,7 +156,22 @@ TEST_F(MapFile, OfAnotherVersionIsNamed) {
   std::string file = nn::read_file(path, "");
   file[8] = 77;
   nn::write_file(path, file);
-  expect_error<InputError>([&] { read_map(path); }, {"street.map", "version 1", "version 77"});
+  expect_error<InputError>([&] { read_map(path); }, {"street.map", "version 2", "version 77"});
+}
+
+TEST_F(MapFile, OfAnotherCameraIsNamed) {
+  const StereoCamera saved = read_map(path).camera;
+  EXPECT_NO_THROW(require_same_camera(saved, camera, "street.map"));
+  StereoCamera other = camera;
+  other.fx *= 1.001;
+  expect_error<InputError>([&] { require_same_camera(saved, other, "street.map"); },
+                           {"street.map", "the dataset's camera", "fx"});
+  other = camera;
+  other.baseline *= 1.01;
+  EXPECT_THROW(require_same_camera(saved, other, "street.map"), InputError);
+  other = camera;
+  --other.height;
+  EXPECT_THROW(require_same_camera(saved, other, "street.map"), InputError);
 }
 
 TEST_F(MapFile, WithARightChecksumButWrongContentIsRefusedOrSound) {

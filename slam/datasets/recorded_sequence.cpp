@@ -1,0 +1,144 @@
+#include "slam/datasets/recorded_sequence.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "nn/base/error.h"
+#include "slam/evaluation/association.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLongGap = 1.8;  // times the usual step between two frames
+
+class RecordedSequence final : public StereoDataset {
+ public:
+  RecordedSequence(Recording recording, const DatasetOptions& options) : r_(std::move(recording)) {
+    if (r_.frames.empty()) throw InputError(r_.place, "frames", "none");
+    const int count = options.frames.size(static_cast<int>(r_.frames.size()), r_.place);
+    std::vector<RecordedFrame> chosen;
+    for (int i = 0; i < count; i += options.step) {
+      chosen.push_back(r_.frames[static_cast<std::size_t>(options.frames.begin + i)]);
+    }
+    r_.frames = std::move(chosen);
+    check_times();
+    choose_ground_truth();
+    size_is_given_ = r_.camera.width > 0;
+    if (!size_is_given_) {
+      const cv::Mat left = nn::read_image(r_.frames.front().left, r_.colour);
+      r_.camera.width = left.cols;
+      r_.camera.height = left.rows;
+    }
+    load(0);
+  }
+
+  std::string name() const override { return r_.name; }
+  const StereoCamera& camera() const override { return r_.camera; }
+  Sensor sensor() const override { return r_.sensor; }
+  int size() const override { return static_cast<int>(r_.frames.size()); }
+  double timestamp(int i) const override { return frame(i).timestamp; }
+  const std::optional<Trajectory>& ground_truth() const override { return ground_truth_; }
+  const std::vector<std::string>& notes() const override { return r_.notes; }
+
+  StereoImages load(int i) const override {
+    const RecordedFrame& f = frame(i);
+    StereoImages images;
+    images.index = f.index;
+    images.timestamp = f.timestamp;
+    images.left = r_.left.apply(checked(nn::read_image(f.left, r_.colour), f.left));
+    if (r_.sensor == Sensor::stereo) {
+      images.right = r_.right.apply(checked(nn::read_image(f.second, r_.colour), f.second));
+    } else {
+      const cv::Mat levels = r_.left.apply_nearest(checked(nn::read_depth_image(f.second), f.second));
+      levels.convertTo(images.depth, CV_32F, 1.0 / r_.depth_factor);
+    }
+    return images;
+  }
+
+ private:
+  const RecordedFrame& frame(int i) const { return r_.frames[static_cast<std::size_t>(i)]; }
+
+  cv::Mat checked(cv::Mat image, const fs::path& path) const {
+    if (image.cols != r_.camera.width || image.rows != r_.camera.height) {
+      throw InputError(path.string(),
+                       fmt::format("{} x {} pixels as in {}", r_.camera.width, r_.camera.height,
+                                   size_is_given_ ? "the calibration" : "the first left image"),
+                       fmt::format("{} x {}", image.cols, image.rows));
+    }
+    return image;
+  }
+
+  void check_times() {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < r_.frames.size(); ++i) {
+      const double before = r_.frames[i - 1].timestamp, now = r_.frames[i].timestamp;
+      if (!(now > before)) {
+        throw InputError(r_.frames[i].left.string(), fmt::format("a time after {:.6f} s", before),
+                         fmt::format("{:.6f} s", now));
+      }
+      steps.push_back(now - before);
+    }
+    if (steps.size() < 2) return;
+    std::vector<double> ordered = steps;
+    const std::size_t middle = (ordered.size() - 1) / 2;
+    std::nth_element(ordered.begin(), ordered.begin() + static_cast<std::ptrdiff_t>(middle), ordered.end());
+    const double usual = ordered[middle];
+    const auto is_long = [&](double step) { return step > kLongGap * usual; };
+    const auto gaps = std::count_if(steps.begin(), steps.end(), is_long);
+    if (gaps == 0) return;
+    const auto longest = std::max_element(steps.begin(), steps.end());
+    r_.notes.push_back(
+        fmt::format("frames are missing in {} places: the longest gap, of {:.3g} s, is after frame {}; "
+                    "the usual step is {:.3g} s",
+                    gaps, *longest, frame(static_cast<int>(longest - steps.begin())).index, usual));
+  }
+
+  void choose_ground_truth() {
+    if (r_.ground_truth.empty()) return;
+    std::vector<double> frame_times, pose_times;
+    for (const RecordedFrame& f : r_.frames) frame_times.push_back(f.timestamp);
+    for (const TimedPose& pose : r_.ground_truth) pose_times.push_back(pose.timestamp);
+    const std::vector<TimePair> pairs = associate_times(frame_times, pose_times, kMaxTimeDifference);
+    if (pairs.empty()) {
+      r_.notes.push_back(
+          fmt::format("no ground truth: its times ({:.3f}..{:.3f} s) are not those of the frames "
+                      "({:.3f}..{:.3f} s)",
+                      pose_times.front(), pose_times.back(), frame_times.front(), frame_times.back()));
+      return;
+    }
+    ground_truth_.emplace();
+    for (const TimePair& pair : pairs) {
+      ground_truth_->push_back({frame_times[pair.first], r_.ground_truth[pair.second].T_wc});
+    }
+    r_.ground_truth.clear();
+  }
+
+  Recording r_;
+  bool size_is_given_ = false;
+  std::optional<Trajectory> ground_truth_;
+};
+
+}  // namespace
+
+std::unique_ptr<StereoDataset> open_recording(Recording recording, const DatasetOptions& options) {
+  return std::make_unique<RecordedSequence>(std::move(recording), options);
+}
+
+nn::ImageColour colour_of(DatasetCameras cameras, nn::ImageColour otherwise) {
+  switch (cameras) {
+    case DatasetCameras::grey:
+      return nn::ImageColour::grey;
+    case DatasetCameras::colour:
+      return nn::ImageColour::bgr;
+    case DatasetCameras::automatic:
+      break;
+  }
+  return otherwise;
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,227 @@
+#include "slam/datasets/yaml_file.h"
+
+#include <algorithm>
+
+#include "nn/base/error.h"
+#include "nn/base/text.h"
+#include "nn/io/file.h"
+#include "nn/io/number_file.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+constexpr std::string_view kBlank = " \t\r";
+constexpr std::size_t kDeepest = 8;  // levels of keys in keys
+constexpr std::size_t kLongestQuote = 40;
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+// Up to a '#' that stands at the start or after a blank, and in no quotes.
+std::string_view without_comment(std::string_view line) {
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '#' && (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t' || line[i - 1] == ']')) {
+      return line.substr(0, i);
+    }
+  }
+  return line;
+}
+
+std::string_view without_tag(std::string_view value) {
+  if (!value.starts_with("!!")) return value;
+  const std::size_t end = value.find_first_of(kBlank);
+  return end == std::string_view::npos ? std::string_view() : trimmed(value.substr(end));
+}
+
+std::string_view without_quotes(std::string_view value) {
+  const bool is_quoted =
+      value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
+  return is_quoted ? value.substr(1, value.size() - 2) : value;
+}
+
+std::string in_quotes(std::string_view text) { return fmt::format("'{}'", printable(text, kLongestQuote)); }
+
+// Lines of a text, without comments.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : text_(text) {}
+  bool next() {
+    if (start_ >= text_.size()) return false;
+    const std::size_t end = std::min(text_.find('\n', start_), text_.size());
+    line_ = without_comment(text_.substr(start_, end - start_));
+    start_ = end + 1;
+    ++number_;
+    return true;
+  }
+  std::string_view line() const { return line_; }
+  int number() const { return number_; }
+
+ private:
+  std::string_view text_, line_;
+  std::size_t start_ = 0;
+  int number_ = 0;
+};
+
+// A key whose deeper keys are being read.
+struct Group {
+  std::size_t indent;
+  std::string prefix;  // "outer."
+};
+
+}  // namespace
+
+YamlFile::YamlFile(const std::filesystem::path& path) : path_(path.string()) {
+  read(nn::read_file(path, "a YAML file"));
+}
+
+void YamlFile::read(std::string_view text) {
+  Lines lines(text);
+  std::vector<Group> groups;
+  std::string last_key;         // the one that rows "- [...]" belong to
+  std::size_t last_indent = 0;  // of it
+  bool may_open = false;        // it has no value yet
+  const auto place = [&] { return fmt::format("{}:{}", path_, lines.number()); };
+  const auto refuse = [&](std::string_view expected, std::string_view found) {
+    throw InputError(place(), expected, found);
+  };
+  // Reads on to the closing bracket; `rest` follows the opening one.
+  const auto read_list = [&](std::string_view rest, std::string& into) {
+    const int begun = lines.number();
+    while (true) {
+      const std::size_t close = rest.find(']');
+      into.append(rest.substr(0, close)).push_back(' ');
+      if (close != std::string_view::npos) {
+        if (!trimmed(rest.substr(close + 1)).empty()) {
+          refuse("the end of the line after a list", in_quotes(trimmed(rest.substr(close + 1))));
+        }
+        break;
+      }
+      if (!lines.next()) {
+        throw InputError(fmt::format("{}:{}", path_, begun), "a list that ends with ']'", "no end");
+      }
+      rest = lines.line();
+    }
+    if (into.find('[') != std::string::npos) refuse("a list of numbers", "a list in a list");
+    std::replace(into.begin(), into.end(), ',', ' ');
+  };
+
+  while (lines.next()) {
+    const std::string_view content = trimmed(lines.line());
+    if (content.empty() || content == "---" || content == "..." || content.front() == '%') continue;
+    const std::size_t indent = lines.line().find_first_not_of(' ');
+    if (lines.line()[indent] == '\t') refuse("keys indented with blanks", "a tab");
+    if (content.front() == '-') {
+      const std::string_view row = trimmed(content.substr(1));
+      if (last_key.empty() || row.empty() || row.front() != '[')
+        refuse("a key, or a row '- [...]'", in_quotes(content));
+      const auto [at, is_new] = values_.try_emplace(last_key, Value{lines.number(), {}, true});
+      if (!may_open && is_new) refuse("a key, or a row '- [...]'", in_quotes(content));
+      if (!at->second.is_list) refuse("a key", in_quotes(content));
+      may_open = false;
+      read_list(row.substr(1), at->second.text);
+      continue;
+    }
+    const std::size_t colon = content.find(':');
+    if (colon == std::string_view::npos ||
+        (colon + 1 < content.size() && kBlank.find(content[colon + 1]) == std::string_view::npos)) {
+      refuse("'key: value'", in_quotes(content));
+    }
+    const std::string_view name = without_quotes(trimmed(content.substr(0, colon)));
+    if (name.empty() || name.find('.') != std::string_view::npos || !is_utf8(name)) {
+      refuse("a key without dots", in_quotes(name));
+    }
+    // Deeper than the last key, which has no value: it holds this one.
+    if (may_open && indent > last_indent) {
+      groups.push_back({last_indent, last_key + "."});
+      if (groups.size() > kDeepest) refuse(fmt::format("keys at most {} levels deep", kDeepest), "more");
+    }
+    while (!groups.empty() && indent <= groups.back().indent) groups.pop_back();
+    const std::string key = (groups.empty() ? std::string() : groups.back().prefix) + std::string(name);
+    if (has(key)) refuse("every key once", fmt::format("{} again", in_quotes(key)));
+    last_key = key;
+    last_indent = indent;
+    std::string_view value = without_tag(trimmed(content.substr(colon + 1)));
+    may_open = value.empty();
+    if (may_open) continue;
+    Value& stored = values_[key];
+    stored.line = lines.number();
+    if (value.front() == '[') {
+      stored.is_list = true;
+      read_list(value.substr(1), stored.text);
+    } else if (std::string_view("|>&*{").find(value.front()) != std::string_view::npos) {
+      refuse("a number, a list of numbers or a word", in_quotes(value));
+    } else {
+      stored.text = without_quotes(value);
+    }
+  }
+}
+
+bool YamlFile::is_group(const std::string& key) const {
+  const auto after = values_.lower_bound(key + ".");
+  return after != values_.end() && after->first.starts_with(key + ".");
+}
+
+std::string YamlFile::place(const std::string& key) const {
+  const auto at = values_.find(key);
+  return at == values_.end() ? path_ : fmt::format("{}:{} ({})", path_, at->second.line, printable(key));
+}
+
+const YamlFile::Value& YamlFile::find(const std::string& key, std::string_view expected) const {
+  const auto at = values_.find(key);
+  if (at == values_.end())
+    throw InputError(path_, fmt::format("the key {} with {}", key, expected), "no such key");
+  return at->second;
+}
+
+std::string YamlFile::text(const std::string& key) const {
+  const Value& value = find(key, "a word");
+  if (value.is_list) throw InputError(place(key), "a word", "a list");
+  return value.text;
+}
+
+std::vector<double> YamlFile::numbers(const std::string& key) const {
+  const Value& value = find(key, "numbers");
+  return nn::parse_numbers(value.text, place(key));
+}
+
+std::vector<double> YamlFile::numbers(const std::string& key, std::size_t count) const {
+  std::vector<double> values = numbers(key);
+  if (values.size() != count) {
+    throw InputError(place(key), fmt::format("{} numbers", count), fmt::format("{}", values.size()));
+  }
+  return values;
+}
+
+double YamlFile::number(const std::string& key) const { return numbers(key, 1).front(); }
+
+double YamlFile::number_above_zero(const std::string& key) const {
+  const double value = number(key);
+  if (!(value > 0.0)) throw InputError(place(key), "a number above 0", fmt::format("{:g}", value));
+  return value;
+}
+
+bool YamlFile::flag(const std::string& key) const {
+  const std::string value = text(key);
+  if (value != "true" && value != "false") throw InputError(place(key), "true or false", in_quotes(value));
+  return value == "true";
+}
+
+std::string YamlFile::text_or(const std::string& key, const std::string& otherwise) const {
+  return values_.count(key) > 0 ? text(key) : otherwise;
+}
+
+double YamlFile::number_or(const std::string& key, double otherwise) const {
+  return values_.count(key) > 0 ? number(key) : otherwise;
+}
+
+}  // namespace penumbra::slam

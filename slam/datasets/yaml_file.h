@@ -1,0 +1,57 @@
+// The part of YAML that calibration files use: nested keys with numbers, lists of numbers and words.
+//
+//   %YAML:1.0                         directives, "---" and comments are skipped
+//   T_BS:                             a key that holds keys: "T_BS.data" names the list below
+//     cols: 4
+//     data: [0.0, 1.0,                a list may go on over several lines
+//            0.5, 0.0]                "- [0.0, 1.0]" rows, one a line, are joined to one list
+//   camera_model: pinhole             a word, quoted or not
+//
+// Anchors, block texts, lists of words and several documents are refused, as are tabs before a key and keys
+// that stand twice. OpenCV's tags (!!opencv-matrix) are skipped.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace penumbra::slam {
+
+class YamlFile {
+ public:
+  // Throws InputError (file:line) where the file cannot be read as said above.
+  explicit YamlFile(const std::filesystem::path& path);
+
+  bool has(const std::string& key) const { return values_.count(key) > 0 || is_group(key); }
+  // Throw InputError (file:line) where the key is missing or holds something else.
+  std::string text(const std::string& key) const;
+  double number(const std::string& key) const;
+  double number_above_zero(const std::string& key) const;
+  std::vector<double> numbers(const std::string& key) const;
+  std::vector<double> numbers(const std::string& key, std::size_t count) const;
+  bool flag(const std::string& key) const;  // true or false
+  // The same with a value for a key that is missing.
+  std::string text_or(const std::string& key, const std::string& otherwise) const;
+  double number_or(const std::string& key, double otherwise) const;
+
+  // "file:line" of a key, or the file where it is missing.
+  std::string place(const std::string& key) const;
+
+ private:
+  struct Value {
+    int line = 0;
+    std::string text;      // as in the file, without brackets, quotes and comment
+    bool is_list = false;  // [...] or rows of them
+  };
+  void read(std::string_view text);
+  bool is_group(const std::string& key) const;
+  const Value& find(const std::string& key, std::string_view expected) const;
+
+  std::string path_;
+  std::map<std::string, Value> values_;  // by key, "outer.inner"
+};
+
+}  // namespace penumbra::slam

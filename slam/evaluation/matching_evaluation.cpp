@@ -1,0 +1,154 @@
+#include "slam/evaluation/matching_evaluation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <opencv2/features2d.hpp>
+
+#include "slam/features/descriptor_matcher.h"
+#include "slam/features/orb_extractor.h"
+#include "slam/geometry/triangulation.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+constexpr double kStill = 0.01;  // metres
+
+class Stopwatch {
+ public:
+  double milliseconds() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+Eigen::Matrix3d intrinsics(const StereoCamera& camera) {
+  Eigen::Matrix3d K;
+  K << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
+  return K;
+}
+
+}  // namespace
+
+// The features of an image.
+struct MatchingEvaluation::Image {
+  SE3 T_wc;
+  Features orb;
+  std::vector<cv::KeyPoint> sift_points;
+  cv::Mat sift_descriptors;
+  double orb_ms = 0.0, sift_ms = 0.0;
+};
+
+const char* name_of(MatchingMethod method) {
+  switch (method) {
+    case MatchingMethod::sift:
+      return "SIFT";
+    case MatchingMethod::orb:
+      return "ORB";
+    case MatchingMethod::orb_paper:
+      return "ORB + paper filter";
+    case MatchingMethod::orb_adaptive:
+      break;
+  }
+  return "ORB + adaptive filter";
+}
+
+MotionCheck::MotionCheck(const StereoCamera& camera, const SE3& T_21)
+    : still_(T_21.translation.norm() < kStill) {
+  const Eigen::Matrix3d K = intrinsics(camera);
+  H_ = K * T_21.rotation * K.inverse();
+  F_ = fundamental_matrix(camera, SE3{}, T_21);
+}
+
+double MotionCheck::distance(const Eigen::Vector2d& first, const Eigen::Vector2d& second) const {
+  if (still_) return ((H_ * first.homogeneous()).hnormalized() - second).norm();
+  return std::sqrt(std::max(squared_epipolar_distance(F_, first, second),
+                            squared_epipolar_distance(F_.transpose(), second, first)));
+}
+
+MatchingEvaluation::MatchingEvaluation(const StereoCamera& camera, const MatchingSettings& settings)
+    : camera_(camera), settings_(settings) {}
+
+MatchingEvaluation::~MatchingEvaluation() = default;
+
+void MatchingEvaluation::add(const cv::Mat& grey, const SE3& T_wc) {
+  auto now = std::make_unique<Image>();
+  now->T_wc = T_wc;
+  {
+    OrbSettings orb;
+    orb.features = settings_.orb_features;
+    OrbExtractor extractor(orb);
+    const Stopwatch watch;
+    extractor.extract(grey, now->orb);
+    now->orb_ms = watch.milliseconds();
+  }
+  if (settings_.sift) {
+    const Stopwatch watch;
+    cv::SIFT::create()->detectAndCompute(grey, cv::noArray(), now->sift_points, now->sift_descriptors);
+    now->sift_ms = watch.milliseconds();
+  }
+  if (before_) {
+    const MotionCheck check(camera_, now->T_wc.inverse() * before_->T_wc);
+    std::vector<MatchedPixels> pairs;
+    const Stopwatch watch;
+    DescriptorMatcherSettings plain;  // the filter is to do the work
+    plain.max_distance = kDescriptorBits;
+    plain.ratio = 1.0F;
+    for (const Match& m : match_descriptors(before_->orb.descriptors, now->orb.descriptors, plain)) {
+      const Keypoint& a = before_->orb.keypoints[static_cast<std::size_t>(m.source)];
+      const Keypoint& b = now->orb.keypoints[static_cast<std::size_t>(m.feature)];
+      pairs.push_back({{a.u, a.v}, {b.u, b.v}});
+    }
+    const double match_ms = watch.milliseconds();
+    for (const MatchingMethod method :
+         {MatchingMethod::orb, MatchingMethod::orb_paper, MatchingMethod::orb_adaptive}) {
+      add_pairs(method, pairs, check, now->orb_ms, match_ms);
+    }
+    if (settings_.sift && !before_->sift_descriptors.empty() && !now->sift_descriptors.empty()) {
+      pairs.clear();
+      const Stopwatch sift_watch;
+      std::vector<cv::DMatch> matches;
+      cv::BFMatcher(cv::NORM_L2, true).match(before_->sift_descriptors, now->sift_descriptors, matches);
+      for (const cv::DMatch& m : matches) {
+        const cv::Point2f a = before_->sift_points[static_cast<std::size_t>(m.queryIdx)].pt;
+        const cv::Point2f b = now->sift_points[static_cast<std::size_t>(m.trainIdx)].pt;
+        pairs.push_back({{a.x, a.y}, {b.x, b.y}});
+      }
+      add_pairs(MatchingMethod::sift, pairs, check, now->sift_ms, sift_watch.milliseconds());
+    }
+  }
+  before_ = std::move(now);
+}
+
+void MatchingEvaluation::add_pairs(MatchingMethod method, const std::vector<MatchedPixels>& pairs,
+                                   const MotionCheck& check, double extract_ms, double match_ms) {
+  MismatchFilterSettings settings;
+  settings.mode = method == MatchingMethod::orb_paper      ? MismatchFilterMode::paper
+                  : method == MatchingMethod::orb_adaptive ? MismatchFilterMode::adaptive
+                                                           : MismatchFilterMode::off;
+  std::vector<char> keep;
+  MatchingCounts& counts = counts_[static_cast<std::size_t>(method)];
+  const Stopwatch watch;
+  filter_mismatches(pairs, settings, keep);
+  if (settings.mode != MismatchFilterMode::off) counts.filter_ms += watch.milliseconds();
+  counts.extract_ms += extract_ms;
+  counts.match_ms += match_ms;
+  ++counts.images;
+  auto& bins = histograms_[static_cast<std::size_t>(method)].bins;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const bool effective =
+        check.distance(pairs[i].first.cast<double>(), pairs[i].second.cast<double>()) < settings_.threshold;
+    counts.pairs += keep[i];
+    counts.effective += keep[i] && effective;
+    const double moved = (pairs[i].first - pairs[i].second).norm();
+    auto& bin =
+        bins[static_cast<std::size_t>(std::min(moved / DisplacementHistogram::kWidth, bins.size() - 1.0))];
+    ++(effective ? (keep[i] ? bin.effective_kept : bin.effective_removed)
+                 : (keep[i] ? bin.wrong_kept : bin.wrong_removed));
+  }
+}
+
+}  // namespace penumbra::slam

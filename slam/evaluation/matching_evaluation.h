@@ -1,0 +1,97 @@
+// How good feature matching is, with and without the mismatch filter: Table 3 of Jiang, Chen, Yuan (2022).
+//
+// Features of one image against those of the next, each other's nearest descriptors, no prediction and no
+// other test. A pair is *effective* if it agrees with the true motion T_21 = [R | t] between the images:
+//
+//   max( d(x2, F x1), d(x1, F^T x2) ) < threshold       F = K^-T [t]x R K^-1,  d: distance from the line
+//
+// (the paper does not say what it calls effective). Where the camera hardly moved there are no epipolar
+// lines, and x2 is compared with K R K^-1 x1 instead.
+//
+// SIFT stands in for the paper's SURF, which is patented in part and not in Debian's OpenCV: both are
+// blobs of a scale space with a descriptor of gradients.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "slam/features/mismatch_filter.h"
+#include "slam/geometry/se3.h"
+#include "slam/geometry/stereo_camera.h"
+
+namespace penumbra::slam {
+
+enum class MatchingMethod { sift, orb, orb_paper, orb_adaptive };
+inline constexpr std::array kMatchingMethods = {MatchingMethod::sift, MatchingMethod::orb,
+                                                MatchingMethod::orb_paper, MatchingMethod::orb_adaptive};
+const char* name_of(MatchingMethod method);
+
+struct MatchingSettings {
+  double threshold = 2.0;   // pixels
+  int orb_features = 1000;  // per image
+  bool sift = true;         // it takes twenty times as long as the rest
+};
+
+// Sums over image pairs.
+struct MatchingCounts {
+  int images = 0, pairs = 0, effective = 0;
+  double extract_ms = 0.0, match_ms = 0.0, filter_ms = 0.0;  // of one image, one pair of images, its matches
+
+  double rate() const { return pairs > 0 ? 100.0 * effective / pairs : 0.0; }  // percent
+};
+
+// How far pairs moved, and what became of them.
+struct DisplacementHistogram {
+  static constexpr double kWidth = 2.0;      // pixels a bin
+  static constexpr std::size_t kBins = 101;  // the last one also has all that moved farther
+  struct Bin {
+    int effective_kept = 0, effective_removed = 0, wrong_kept = 0, wrong_removed = 0;
+  };
+  std::array<Bin, kBins> bins{};
+};
+
+// Distance (pixels) of a pair from the true motion, as above.
+class MotionCheck {
+ public:
+  MotionCheck(const StereoCamera& camera, const SE3& T_21);
+  double distance(const Eigen::Vector2d& first, const Eigen::Vector2d& second) const;
+
+ private:
+  bool still_;
+  Eigen::Matrix3d F_, H_;
+};
+
+class MatchingEvaluation {
+ public:
+  MatchingEvaluation(const StereoCamera& camera, const MatchingSettings& settings);
+  ~MatchingEvaluation();
+  MatchingEvaluation(const MatchingEvaluation&) = delete;
+  MatchingEvaluation& operator=(const MatchingEvaluation&) = delete;
+
+  // The next image (8-bit grey) of the sequence and where it was taken.
+  void add(const cv::Mat& grey, const SE3& T_wc);
+
+  const MatchingCounts& counts(MatchingMethod method) const {
+    return counts_[static_cast<std::size_t>(method)];
+  }
+  // Of orb_paper and orb_adaptive.
+  const DisplacementHistogram& histogram(MatchingMethod method) const {
+    return histograms_[static_cast<std::size_t>(method)];
+  }
+
+ private:
+  struct Image;
+  void add_pairs(MatchingMethod method, const std::vector<MatchedPixels>& pairs, const MotionCheck& check,
+                 double extract_ms, double match_ms);
+
+  const StereoCamera camera_;
+  const MatchingSettings settings_;
+  std::unique_ptr<Image> before_;
+  std::array<MatchingCounts, kMatchingMethods.size()> counts_;
+  std::array<DisplacementHistogram, kMatchingMethods.size()> histograms_;
+};
+
+}  // namespace penumbra::slam

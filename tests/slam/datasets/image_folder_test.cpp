@@ -1,0 +1,159 @@
+#include "slam/datasets/image_folder.h"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "nn/base/error.h"
+#include "nn/io/file.h"
+#include "nn/io/image_file.h"
+#include "slam/datasets/camera_file.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/test_data.h"
+
+namespace penumbra::slam {
+namespace {
+
+namespace fs = std::filesystem;
+using test::expect_error;
+
+constexpr const char* kRectified = "fx: 70\nfy: 70\ncx: 40\ncy: 30\nbaseline: 0.12\nrate: 20\n";
+constexpr const char* kRaw =
+    "rectified: false\nwidth: 80\nheight: 60\nrate: 20\n"
+    "left:\n  fx: 70\n  fy: 70\n  cx: 40\n  cy: 30\n  distortion: [-0.01, 0.0, 0.0, 0.0]\n"
+    "right:\n  fx: 71\n  fy: 71\n  cx: 41\n  cy: 30\n  distortion: [-0.01, 0.0, 0.0, 0.0]\n"
+    "T_right_left: [1, 0, 0, -0.12, 0, 1, 0, 0, 0, 0, 1, 0]\n";
+
+class ImageFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    make_images("left", {"000003", "000004", "000005"}, CV_8UC1);
+    make_images("right", {"000003", "000004", "000005"}, CV_8UC1);
+    calibrate(kRectified);
+  }
+  fs::path root() const { return folder_ / "my_camera"; }
+  void make_images(const std::string& name, const std::vector<std::string>& stems, int type) const {
+    fs::remove_all(root() / name);
+    fs::create_directories(root() / name);
+    for (std::size_t i = 0; i < stems.size(); ++i) {
+      nn::write_image(root() / name / (stems[i] + ".png"),
+                      cv::Mat(60, 80, type, cv::Scalar::all(10.0 * double(i))));
+    }
+  }
+  void calibrate(const std::string& text) const { nn::write_file(root() / "calibration.yaml", text); }
+  void expect_refused(std::initializer_list<std::string> parts) const {
+    expect_error<InputError>([&] { open_dataset(root()); }, parts);
+  }
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(ImageFolder, RectifiedPairsAreReadInTheOrderOfTheirNames) {
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_EQ(dataset->name(), "my_camera");
+  EXPECT_EQ(dataset->size(), 3);
+  EXPECT_EQ(dataset->camera().baseline, 0.12);
+  EXPECT_EQ(dataset->camera().width, 80);
+  EXPECT_DOUBLE_EQ(dataset->timestamp(2), 0.1);
+  EXPECT_EQ(dataset->load(1).left.type(), CV_8UC1);
+  EXPECT_EQ(dataset->load(1).left.at<uchar>(0, 0), 10);
+  calibrate(std::string(kRectified) + "colour: true\n");
+  EXPECT_EQ(open_dataset(root())->load(1).left.type(), CV_8UC3);
+}
+
+TEST_F(ImageFolder, RawPairsAreRectified) {
+  calibrate(kRaw);
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_NEAR(dataset->camera().baseline, 0.12, 1e-12);
+  EXPECT_EQ(dataset->load(2).right.at<uchar>(30, 40), 20);
+}
+
+TEST_F(ImageFolder, RgbdIsReadWithItsDepthScale) {
+  make_images("rgb", {"1", "2"}, CV_8UC3);
+  make_images("depth", {"1", "2"}, CV_16UC1);
+  calibrate("sensor: rgbd\nfx: 70\nfy: 70\ncx: 40\ncy: 30\ndepth_factor: 1000\nrate: 30\nbaseline: 0.05\n");
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_EQ(dataset->sensor(), Sensor::rgbd);
+  EXPECT_EQ(dataset->camera().baseline, 0.05);
+  EXPECT_EQ(dataset->load(1).left.type(), CV_8UC3);
+  EXPECT_FLOAT_EQ(dataset->load(1).depth.at<float>(0, 0), 0.01F);
+}
+
+TEST_F(ImageFolder, TimesComeFromTheFileTheNamesOrTheRate) {
+  nn::write_file(root() / "times.txt", "5\n6\n8\n");
+  EXPECT_EQ(open_dataset(root())->timestamp(2), 8.0);
+  nn::write_file(root() / "times.txt", "5\n6\n");
+  expect_refused({"times.txt", "times of 3 frames", "2"});
+  nn::write_file(root() / "times.txt", "5\n6\n6\n");
+  expect_refused({"times.txt:3", "a time after 6 s"});
+  fs::remove(root() / "times.txt");
+  for (const char* name : {"left", "right"})
+    make_images(name, {"1403715273262142976", "1403715273312142976"}, CV_8UC1);
+  EXPECT_NEAR(open_dataset(root())->timestamp(1) - open_dataset(root())->timestamp(0), 0.05, 1e-6);
+  for (const char* name : {"left", "right"}) make_images(name, {"12.5", "13.25"}, CV_8UC1);
+  EXPECT_EQ(open_dataset(root())->timestamp(1), 13.25);
+  for (const char* name : {"left", "right"}) make_images(name, {"1", "2"}, CV_8UC1);
+  calibrate("fx: 70\nfy: 70\ncx: 40\ncy: 30\nbaseline: 0.12\n");
+  expect_refused({"times.txt", "rate"});
+  DatasetOptions options;
+  options.frame_rate = 4.0;
+  EXPECT_EQ(open_dataset(root(), options)->timestamp(1), 0.25);
+}
+
+TEST_F(ImageFolder, GroundTruthIsThatOfTheUnrectifiedLeftCamera) {
+  nn::write_file(root() / "poses.txt",
+                 "1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 1 0 1 0 2 0 0 1 4\n");
+  EXPECT_EQ(open_dataset(root())->ground_truth()->at(2).T_wc.translation.z(), 4.0);
+  nn::write_file(root() / "poses.txt", "1 0 0 1 0 1 0 2 0 0 1 3\n");
+  expect_refused({"poses.txt", "poses of 3 frames", "1"});
+}
+
+TEST_F(ImageFolder, PartnersAreFoundByName) {
+  make_images("right", {"000004", "000005", "000009"}, CV_8UC1);
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_EQ(dataset->size(), 2);
+  EXPECT_EQ(dataset->load(0).left.at<uchar>(0, 0), 10);
+  ASSERT_FALSE(dataset->notes().empty());
+  EXPECT_NE(dataset->notes().front().find("2 images without a partner"), std::string::npos);
+  make_images("right", {"x"}, CV_8UC1);
+  expect_refused({"right", "images of the same names", "'x.png'"});
+  fs::remove_all(root() / "right");
+  expect_refused({"right", "a folder of images", "nothing"});
+}
+
+TEST_F(ImageFolder, BadCalibrationIsRefused) {
+  const auto with = [&](std::string text, const std::string& from, const std::string& to,
+                        std::initializer_list<std::string> parts) {
+    text.replace(text.find(from), from.size(), to);
+    calibrate(text);
+    expect_refused(parts);
+  };
+  with(kRectified, "0.12", "0", {"(baseline)", "above 0"});
+  with(kRectified, "0.12", "-0.12", {"(baseline)", "above 0"});
+  with(kRectified, "rate: 20", "distortion: [1, 2, 3, 4]", {"(distortion)"});
+  with(kRaw, "-0.12,", "0.12,", {"(T_right_left)", "to the right", "swapped"});
+  with(kRaw, "[1, 0, 0,", "[2, 0, 0,", {"(T_right_left)", "a rotation"});
+  with(kRaw, "width: 80\nheight: 60\n", "", {"width and height"});
+  with(kRaw, "rectified: false", "rectified: no", {"(rectified)", "true or false", "'no'"});
+  fs::remove(root() / "calibration.yaml");
+  expect_refused({"my_camera", "calibration.yaml"});
+}
+
+TEST_F(ImageFolder, ALensThatCannotBeIsRefusedOrUndoneFinitely) {
+  for (const char* distortion : {"[-1e9, 1e9, 0, 0]", "[1e300, 0, 0, 0]", "[-5, 30, 0, 0, -60]"}) {
+    SCOPED_TRACE(distortion);
+    calibrate(
+        fmt::format("sensor: rgbd\nwidth: 80\nheight: 60\nfx: 70\nfy: 70\ncx: 40\ncy: 30\n"
+                    "depth_factor: 1000\ndistortion: {}\n",
+                    distortion));
+    try {
+      const StereoCamera camera = make_camera(read_camera_file(root() / "calibration.yaml")).camera;
+      EXPECT_TRUE(camera.fx > 0.0 && camera.fx < 7000.0 && std::isfinite(camera.cy));
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("calibration.yaml"), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra::slam
