@@ -1,5 +1,6 @@
 #include "slam/mapping/map_worker.h"
 
+#include <algorithm>
 #include <shared_mutex>
 #include <utility>
 
@@ -29,7 +30,9 @@ MapWorker::~MapWorker() {
 
 bool MapWorker::accepts() const {
   const std::lock_guard lock(mutex_);
-  return queue_.size() < kLongestQueue;
+  const auto keyframes = std::count_if(queue_.begin(), queue_.end(),
+                                       [](const MapWork& work) { return work.keyframe != nullptr; });
+  return keyframes < kLongestQueue;
 }
 
 void MapWorker::submit(MapWork work) {
@@ -90,6 +93,8 @@ void MapWorker::run() {
 }
 
 void MapWorker::process(MapWork work) {
+  take_out(work.moving);
+  if (work.keyframe == nullptr) return;
   KeyFrame* keyframe = work.keyframe.get();
   {
     const std::unique_lock lock(map_.mutex());
@@ -118,6 +123,20 @@ void MapWorker::process(MapWork work) {
   }
   if (closed) adjust_whole_map(keyframe->submap);
   collect_erased();
+}
+
+// The points go altogether: a thing that moves has no place in the map.
+void MapWorker::take_out(const std::vector<MovingFeatures>& moving) {
+  if (moving.empty()) return;
+  const std::unique_lock lock(map_.mutex());
+  for (const auto& [keyframe, features] : moving) {
+    if (keyframe->erased) continue;
+    for (const int feature : features) {
+      keyframe->features->movable[static_cast<std::size_t>(feature)] = 1;
+      MapPoint* point = keyframe->points[static_cast<std::size_t>(feature)];
+      if (point != nullptr) map_.erase_point(point);
+    }
+  }
 }
 
 void MapWorker::collect_erased() {

@@ -11,6 +11,8 @@
 // computed. Only the worker changes the map's structure, so what it holds stays valid while it has let go of
 // the lock.
 //
+// What turns out to lie on something that moves, some keyframes later, comes the same way and leaves the map.
+//
 // A full bundle adjustment is stopped when another loop closes, and begun anew on the map as it is then. At
 // the end of a run it is waited for, but no longer than kLongestWait: then it is stopped and what it has
 // reached is taken over.
@@ -31,10 +33,11 @@
 #include "slam/loop/loop_closer.h"
 #include "slam/mapping/full_bundle_adjustment.h"
 #include "slam/mapping/local_mapper.h"
+#include "slam/semantics/moving_features.h"
 
 namespace penumbra::slam {
 
-// A keyframe on its way into the map.
+// A keyframe on its way into the map; or none, and features to be taken out of it.
 struct MapWork {
   std::unique_ptr<KeyFrame> keyframe;
   std::vector<MapPoint*> tracked;  // per feature: the point that the tracker found there, or nullptr
@@ -42,6 +45,7 @@ struct MapWork {
   // What its pose was found against. Where that has been moved meanwhile, by a loop, the keyframe follows.
   const KeyFrame* reference = nullptr;  // nullptr for none
   SE3 reference_T_cw;
+  std::vector<MovingFeatures> moving;
 };
 
 class MapWorker {
@@ -66,11 +70,12 @@ class MapWorker {
   StageTimer take_times() { return std::exchange(timer_, {}); }
 
  private:
-  static constexpr std::size_t kLongestQueue = 3;
+  static constexpr std::ptrdiff_t kLongestQueue = 3;
   static constexpr std::chrono::seconds kLongestWait{20};
 
   void run();
   void process(MapWork work);
+  void take_out(const std::vector<MovingFeatures>& moving);
   void collect_erased();
   void adjust_whole_map(int submap);
   void apply_adjustment();
