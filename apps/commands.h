@@ -11,6 +11,7 @@ void add_segment_command(CLI::App& app);     // find object instances in images
 void add_classify_command(CLI::App& app);    // name what images show
 void add_synth_command(CLI::App& app);       // render a synthetic drive
 void add_report_command(CLI::App& app);      // a run as one page to look at
+void add_ablate_command(CLI::App& app);      // what masks and filters are worth
 void add_eval_command(CLI::App& app);        // compare a trajectory with the ground truth
 void add_match_eval_command(CLI::App& app);  // compare feature matching
 void add_eval_loops_command(CLI::App& app);  // compare a run's loops with the ground truth

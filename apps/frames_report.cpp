@@ -15,6 +15,8 @@ const char* name_of(slam::TrackingState state) {
       return "initialising";
     case slam::TrackingState::tracking:
       return "tracking";
+    case slam::TrackingState::occluded:
+      return "occluded";
     case slam::TrackingState::lost:
       break;
   }
@@ -40,7 +42,7 @@ nlohmann::json histogram(const slam::MismatchFilterReport& report) {
 nlohmann::json frames_report(const slam::Slam& slam) {
   nlohmann::json json;
   for (const char* key : {"index", "timestamp", "state", "ms", "features", "stereo_features",
-                          "movable_features", "matches", "inliers", "keyframe", "filter"}) {
+                          "movable_features", "covered_share", "matches", "inliers", "keyframe", "filter"}) {
     json[key] = nlohmann::json::array();
   }
   const auto& results = slam.results();
@@ -55,6 +57,7 @@ nlohmann::json frames_report(const slam::Slam& slam) {
     json["features"].push_back(r.features);
     json["stereo_features"].push_back(r.stereo_features);
     json["movable_features"].push_back(r.movable_features);
+    json["covered_share"].push_back(rounded(r.covered_share));
     json["matches"].push_back(r.tracking.frame_matches);
     json["inliers"].push_back(r.tracking.map_inliers);
     json["keyframe"].push_back(r.keyframe);

@@ -14,12 +14,39 @@ namespace {
 
 constexpr int kWidth = 480;  // pixels
 
-cv::Mat3b draw(const cv::Mat& left, const slam::KeyFrame& keyframe) {
+constexpr double kMaskOpacity = 0.4;
+constexpr double kHidden = 0.6;  // an object that shows less of itself counts as occluded
+const cv::Vec3b kMoving(44, 55, 209), kOccluded(40, 140, 240), kStill(190, 140, 60), kFixed(150, 150, 60);
+
+// The masks of what the keyframe showed, in the colour of their state.
+void draw_masks(const std::vector<slam::InstanceSighting>& sightings, double scale, cv::Mat3b& picture) {
+  for (const slam::InstanceSighting& seen : sightings) {
+    const cv::Vec3b colour = seen.state == slam::MotionState::moving  ? kMoving
+                             : seen.visible_share < kHidden           ? kOccluded
+                             : seen.state == slam::MotionState::still ? kStill
+                                                                      : kFixed;
+    for (int y = 0; y < picture.rows; ++y) {
+      for (int x = 0; x < picture.cols; ++x) {
+        const cv::Point pixel(static_cast<int>(x / scale), static_cast<int>(y / scale));
+        if (!seen.region.contains(pixel)) continue;
+        const cv::Point inside = pixel - seen.region.tl();  // the mask may be smaller than its region
+        if (seen.mask(inside.y * seen.mask.rows / seen.region.height,
+                      inside.x * seen.mask.cols / seen.region.width) == 0)
+          continue;
+        picture(y, x) = (1.0 - kMaskOpacity) * picture(y, x) + kMaskOpacity * colour;
+      }
+    }
+  }
+}
+
+cv::Mat3b draw(const cv::Mat& left, const slam::KeyFrame& keyframe,
+               const std::vector<slam::InstanceSighting>& sightings) {
   const double scale = static_cast<double>(kWidth) / left.cols;
   cv::Mat bgr = left;
   if (left.channels() == 1) cv::cvtColor(left, bgr, cv::COLOR_GRAY2BGR);
   cv::Mat3b picture;
   cv::resize(bgr, picture, {kWidth, std::max(1, cvRound(left.rows * scale))}, 0, 0, cv::INTER_AREA);
+  draw_masks(sightings, scale, picture);
   const slam::FrameFeatures& features = *keyframe.features;
   for (int i = 0; i < features.size(); ++i) {
     const cv::Scalar colour = features.is_movable(i) ? cv::Scalar(44, 55, 209)
@@ -49,9 +76,12 @@ void write_keyframe_gallery(const std::filesystem::path& folder, const slam::Ste
                    static_cast<std::size_t>(shown)];
     const auto row = row_of.find(keyframe.frame_index);
     if (row == row_of.end() || slam.is_loaded(keyframe)) continue;
+    const auto seen = slam.sightings().find(keyframe.frame_index);
+    const auto sightings =
+        seen != slam.sightings().end() ? seen->second : std::vector<slam::InstanceSighting>{};
     try {
       nn::write_image(folder / fmt::format("{:06d}.jpg", keyframe.frame_index),
-                      draw(dataset.load(row->second).left, keyframe));
+                      draw(dataset.load(row->second).left, keyframe, sightings));
     } catch (const InputError&) {
       continue;
     }

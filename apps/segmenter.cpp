@@ -34,7 +34,7 @@ slam::Segmenter make_segmenter(const LoadedNetwork& loaded) {
     throw InputError(loaded.source, "weights of a network that finds masks",
                      loaded.network->name() + ", boxes only");
   }
-  return [loaded](const cv::Mat& image) {
+  return [loaded](int /*frame*/, const cv::Mat& image) {
     std::vector<slam::Instance> instances;
     for (const nn::Detection& detection : (*loaded.network)(image)) {
       if (!detection.mask.bits.empty()) instances.push_back(to_instance(detection, loaded.names));

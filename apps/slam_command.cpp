@@ -37,6 +37,7 @@ constexpr const char* kExamples = R"(Examples:
   penumbra slam kitti --sequence 00 --out out/00
   penumbra slam kitti --sequence 06 --frames 0:50 --filter off --out out/06
   penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
+  penumbra slam out/street --masks out/street/sequences/00/instances --out out/street_slam
   penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
   penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
@@ -49,13 +50,14 @@ trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyfra
 loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
 
 struct SlamOptions {
-  std::string dataset, out, sequence, frames, weights, classes, save_map, load_map;
+  std::string dataset, out, sequence, frames, weights, classes, masks, save_map, load_map;
   std::string format = "auto", images = "auto", filter = "adaptive", loops = "on";
+  std::string segmentation = "keyframes", moving = "geometry", movers = "on";
   int step = 1;
   std::optional<double> frame_rate;
   double least_sharpness = 0.0;
-  bool no_segmentation = false, deterministic = false, localise = false;
-  int features = 0, threads = omp_get_max_threads(), segment_every = 1;
+  bool deterministic = false, localise = false;
+  int features = 0, threads = omp_get_max_threads();
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -72,9 +74,28 @@ class InterruptGuard {
   void (*before_)(int);
 };
 
-// Empty where no segmentation is asked for.
+void parse_segmentation(const std::string& text, slam::SemanticsSettings& semantics) {
+  using Mode = slam::SegmentationMode;
+  constexpr std::string_view kEvery = "every-";
+  if (text == "keyframes" || text == "all" || text == "off") {
+    semantics.mode = text == "keyframes" ? Mode::keyframes : text == "all" ? Mode::all : Mode::off;
+    return;
+  }
+  const std::string number = text.rfind(kEvery, 0) == 0 ? text.substr(kEvery.size()) : "";
+  const bool is_number =
+      !number.empty() && number.size() <= 6 && number.find_first_not_of("0123456789") == number.npos;
+  if (!is_number || std::stoi(number) == 0) {
+    throw UsageError(fmt::format(
+        "--segmentation: expected 'keyframes', 'every-N' such as 'every-5', 'all' or 'off', found '{}'",
+        text));
+  }
+  semantics.mode = Mode::interval;
+  semantics.interval = std::stoi(number);
+}
+
+// Empty where no segmentation by a network is asked for.
 std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
-  if (options.no_segmentation || options.weights.empty()) return std::nullopt;
+  if (options.segmentation == "off" || options.weights.empty()) return std::nullopt;
   return load_network(options.weights, options.classes, slam_network_config());
 }
 
@@ -89,7 +110,10 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
   settings.loops.enabled = options.loops == "on";
   settings.tracker.least_sharpness = options.least_sharpness;
-  settings.semantics.interval = options.segment_every;
+  parse_segmentation(options.segmentation, settings.semantics);
+  settings.semantics.instances.check_motion = options.moving == "geometry";
+  settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
+      options.movers == "on";
   settings.localise = options.localise;
   settings.threads = options.threads;
   settings.deterministic = options.deterministic;
@@ -237,8 +261,10 @@ void run_slam(const SlamOptions& options) {
   run.dataset = dataset->name();
   for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset, note);
   const std::optional<LoadedNetwork> loaded = find_network(options);
-  const slam::Segmenter segmenter = loaded ? make_segmenter(*loaded) : slam::Segmenter();
-  run.segmentation = loaded.has_value();
+  slam::Segmenter segmenter;
+  if (loaded) segmenter = make_segmenter(*loaded);
+  if (!options.masks.empty() && options.segmentation != "off") segmenter = make_mask_reader(options.masks);
+  run.segmentation = segmenter ? options.segmentation : "off";
   std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
   const std::filesystem::path save_folder = std::filesystem::path(options.save_map).parent_path();
   std::error_code error;
@@ -290,13 +316,28 @@ void add_slam_command(CLI::App& app) {
   command->add_option("--step", options->step, "take every n-th frame, as a slower camera would")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--weights", options->weights,
-                      "Mask R-CNN weights: features on movable things are left out");
+  command
+      ->add_option("--weights", options->weights, "Mask R-CNN or YOLOv5-seg weights: what moves is left out")
+      ->type_name("FILE");
+  command
+      ->add_option("--masks", options->masks,
+                   "folder of masks as `penumbra synth` writes, instead of weights")
+      ->excludes("--weights")
+      ->type_name("DIR");
   command->add_option("--classes", options->classes,
                       "file of the weights' class names, one a line (default: the weights' own, or COCO)");
-  command->add_flag("--no-segmentation", options->no_segmentation, "run without masks");
-  command->add_option("--segment-every", options->segment_every, "segment every n-th frame")
-      ->check(CLI::PositiveNumber)
+  command
+      ->add_option("--segmentation", options->segmentation,
+                   "frames that are segmented: keyframes, every-N, all (tracking waits), off")
+      ->capture_default_str()
+      ->type_name("WHICH");
+  command
+      ->add_option("--moving", options->moving,
+                   "what is left out: instances that geometry finds moving, or every class that can move")
+      ->check(CLI::IsMember({"geometry", "class"}))
+      ->capture_default_str();
+  command->add_option("--movers", options->movers, "find large moving things without masks, by geometry")
+      ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   command->add_option("--filter", options->filter, "histogram mismatch filter")
       ->check(CLI::IsMember({"off", "paper", "adaptive"}))

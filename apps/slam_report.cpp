@@ -19,7 +19,8 @@ nlohmann::json settings_json(const SlamRun& run) {
           {"scale_factor", s.orb.pyramid.scale_factor},
           {"mismatch_filter", slam::name_of(s.tracker.mismatch_filter.mode)},
           {"segmentation", run.segmentation},
-          {"segmentation_interval", s.semantics.interval},
+          {"moving", s.semantics.instances.check_motion ? "geometry" : "class"},
+          {"movers", s.tracker.rigid_mover.enabled},
           {"threads", s.threads},
           {"deterministic", run.deterministic},
           {"localise", s.localise},
@@ -38,6 +39,37 @@ nlohmann::json ground_truth_json(const slam::Evaluation& e) {
     json["r_rel_deg_per_100m"] = e.kitti.overall.rotation;
   }
   return json;
+}
+
+const char* name_of(slam::MotionState state) {
+  switch (state) {
+    case slam::MotionState::fixed:
+      return "fixed";
+    case slam::MotionState::still:
+      return "still";
+    case slam::MotionState::moving:
+      break;
+  }
+  return "moving";
+}
+
+nlohmann::json instances_json(const slam::Slam& slam) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const slam::TrackedInstance& instance : slam.instances()) {
+    list.push_back(
+        {{"id", instance.id},
+         {"class", instance.class_name},
+         {"score", rounded(instance.score)},
+         {"detections", instance.detections},
+         {"first_frame", instance.first_frame},
+         {"last_frame", instance.last_frame},
+         {"state", name_of(instance.state())},
+         {"moving_probability", rounded(instance.moving_probability())},
+         {"speed_mps", rounded(instance.velocity.norm())},
+         {"size_m", {rounded(instance.size.x()), rounded(instance.size.y()), rounded(instance.size.z())}},
+         {"visible_share", rounded(instance.visible_share)}});
+  }
+  return list;
 }
 
 nlohmann::json loop_closures_json(const std::vector<slam::ClosedLoop>& loops) {
@@ -80,12 +112,13 @@ nlohmann::json covisibility_json(const slam::Slam& slam) {
 
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   int filter_kept = 0, filter_removed = 0, movable_features = 0;
-  std::vector<int> lost_frames;
+  std::vector<int> lost_frames, occluded_frames;
   for (const slam::FrameResult& result : slam.results()) {
     filter_kept += result.tracking.filter.kept;
     filter_removed += result.tracking.filter.removed;
     movable_features += result.movable_features;
     if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
+    if (result.tracking.state == slam::TrackingState::occluded) occluded_frames.push_back(result.index);
   }
   int map_points = 0;
   for (const auto& point : slam.map().points()) map_points += !point->erased;
@@ -106,7 +139,9 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["loaded_keyframes"] = slam.map().keyframes().size() - keyframe_frames.size();
   json["map_points"] = map_points;
   json["movable_features"] = movable_features;
-  if (run.segmentation) json["peak_arena_bytes"] = run.peak_arena_bytes;
+  json["occluded_frames"] = occluded_frames;
+  json["instances"] = instances_json(slam);
+  if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
   const double frames = static_cast<double>(std::max<std::size_t>(slam.results().size(), 1));
   json["cpu_ms_per_frame"] = rounded(1000.0 * run.cpu_seconds / frames);
   json["peak_rss_mb"] = rounded(run.peak_rss_mb);

@@ -13,7 +13,7 @@ namespace penumbra::apps {
 struct SlamRun {
   std::string dataset;  // its name
   slam::SlamSettings settings;
-  bool segmentation = false;
+  std::string segmentation = "off";  // which frames, as on the command line
   bool deterministic = false;
   std::size_t peak_arena_bytes = 0;            // of the network's activations
   double cpu_seconds = 0.0;                    // of all threads, from the first frame to the finished map
@@ -23,12 +23,13 @@ struct SlamRun {
 };
 
 // Keys: dataset, error, settings, frames, tracked, lost, lost_frames, keyframes (of this run),
-// loaded_keyframes (of the map that it began with), map_points, movable_features, peak_arena_bytes (with
-// segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all threads), peak_rss_mb, stages (medians in ms),
-// mismatch_filter (kept, removed), ground_truth (APE, drift; of the located frames) where there is one, loops
-// (pairs of frames, the later first), loop_closures (every correction of the map, with what is known of it),
-// submaps (pieces of the map that are not tied to each other, see slam/slam.h), keyframe_frames, covisibility
-// (frame, earlier frame, points that both keyframes see).
+// loaded_keyframes (of the map that it began with), map_points, movable_features, occluded_frames, instances
+// (objects and their states), peak_arena_bytes (with segmentation), median_ms, p95_ms, cpu_ms_per_frame (of
+// all threads), peak_rss_mb, stages (medians in ms), mismatch_filter (kept, removed), ground_truth (APE,
+// drift; of the located frames) where there is one, loops (pairs of frames, the later first), loop_closures
+// (every correction of the map, with what is known of it), submaps (pieces of the map that are not tied to
+// each other, see slam/slam.h), keyframe_frames, covisibility (frame, earlier frame, points that both
+// keyframes see).
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam);
 
 // The report as text: an entry a line, objects over several.

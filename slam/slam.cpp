@@ -8,7 +8,6 @@
 
 #include "nn/base/error.h"
 #include "slam/features/depth_measurement.h"
-#include "slam/semantics/movable.h"
 
 namespace penumbra::slam {
 
@@ -68,11 +67,32 @@ std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
   return colours;
 }
 
+// Sightings are kept for every keyframe, so their masks are kept small.
+std::vector<InstanceSighting> shrunk(std::vector<InstanceSighting> sightings) {
+  constexpr double kLongestSide = 64.0;  // pixels
+  for (InstanceSighting& seen : sightings) {
+    const double scale = kLongestSide / std::max(seen.mask.cols, seen.mask.rows);
+    if (scale >= 1.0) continue;
+    const cv::Size size(std::max(1, cvRound(scale * seen.mask.cols)),
+                        std::max(1, cvRound(scale * seen.mask.rows)));
+    cv::Mat1b small;
+    cv::resize(seen.mask, small, size, 0, 0, cv::INTER_NEAREST);
+    seen.mask = small;
+  }
+  return sightings;
+}
+
 TrackerSettings tracker_settings(const SlamSettings& settings, const StereoCamera& camera) {
   TrackerSettings tracker = settings.tracker;
   tracker.keyframes.close_depth = close_depth(camera, settings.mapper.point_creation);
   tracker.extends_map = !settings.localise;
   return tracker;
+}
+
+InstanceTrackerSettings instance_settings(const SlamSettings& settings, const StereoCamera& camera) {
+  InstanceTrackerSettings instances = settings.semantics.instances;
+  instances.close_depth = close_depth(camera, settings.mapper.point_creation);
+  return instances;
 }
 
 // Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
@@ -102,7 +122,6 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
            std::unique_ptr<Map> loaded)
     : camera_(checked(camera)),
       settings_(with_bundle_threads(settings)),
-      segmenter_(std::move(segmenter)),
       left_orb_(settings.orb),
       right_orb_(settings.orb),
       owned_map_(starting_map(std::move(loaded), settings)),
@@ -112,7 +131,10 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
       mapper_(camera_, map_, settings_.mapper),
       loop_closer_(camera_, map_, index_, settings.loops),
       tracker_(camera_, map_, index_, tracker_settings(settings, camera_), timer_),
-      worker_(camera_, map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic) {
+      instances_(camera_, map_.scales(), instance_settings(settings, camera_)),
+      worker_(camera_, map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
+      segmentation_(settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
+                    !settings.deterministic && settings.semantics.mode != SegmentationMode::all) {
   loop_closer_.adopt_map();
 }
 
@@ -125,14 +147,27 @@ FrameResult Slam::process(const StereoImages& images) {
   }
   const auto scope = timer_.measure("frame");
   const std::shared_ptr<FrameFeatures> features = measure(images);
-  mark_movable(images, *features);
-  return process(images.index, images.timestamp, features);
+  return process(images.index, images.timestamp, features, images.left);
 }
 
-FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features) {
+FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
+                          const cv::Mat& image) {
   FrameResult result;
   result.index = index;
+  take_instances();
+  instances_.carry(index, timestamp, features, tracker_.predicted_step(timestamp));
+  if (settings_.semantics.mode == SegmentationMode::all && !image.empty()) {
+    segmentation_.submit(index, image);
+    take_instances();
+  }
+  result.covered_share = instances_.covered_share();
+  result.features = features->size();
+  for (int i = 0; i < features->size(); ++i) {
+    result.stereo_features += features->has_stereo(i);
+    result.movable_features += features->is_movable(i);
+  }
   Frame frame;
+  frame.covered_share = result.covered_share;
   frame.index = index;
   frame.timestamp = timestamp;
   frame.features = features;
@@ -141,16 +176,18 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   {
     const std::shared_lock lock(map_.mutex());
     result.tracking = tracker_.track(frame);
+    instances_.observe(step_from_last(frame), result.tracking.state == TrackingState::tracking &&
+                                                  !result.tracking.recovered &&
+                                                  !result.tracking.starts_submap);
+    if (result.tracking.mover) instances_.add_mover(index, *result.tracking.mover);
     result.keyframe = result.tracking.wants_keyframe;
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
+  // What hides the way must be known most of all where the way is not: a lost frame becomes no keyframe.
+  const bool is_telling = result.keyframe || result.tracking.state != TrackingState::tracking;
+  if (is_segmented(is_telling) && !image.empty()) segmentation_.submit(index, image);
   if (work) worker_.submit(std::move(*work));
 
-  result.features = features->size();
-  for (int i = 0; i < features->size(); ++i) {
-    result.stereo_features += features->has_stereo(i);
-    result.movable_features += features->is_movable(i);
-  }
   entries_.push_back({frame.timestamp, frame.reference, frame.T_c_reference});
   results_.push_back(result);
   return result;
@@ -160,6 +197,9 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
 std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   auto measured = std::make_shared<FrameFeatures>();
   const cv::Mat left = to_grey(images.left);
+  // What covers the view takes its share of the features: the rest of the street needs its own.
+  constexpr double kMostFeatures = 2.5;
+  const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
   StereoMatches stereo;
   if (images.depth.empty()) {
     const cv::Mat right = to_grey(images.right);
@@ -167,8 +207,9 @@ std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
     {
       const auto scope = timer_.measure("orb");
       const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
-      std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_features); });
-      left_orb_.extract(left, measured->left);
+      std::future<void> right_done =
+          std::async(policy, [&] { right_orb_.extract(right, right_features, more); });
+      left_orb_.extract(left, measured->left, more);
       right_done.get();
     }
     const auto scope = timer_.measure("stereo");
@@ -178,7 +219,7 @@ std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   } else {
     {
       const auto scope = timer_.measure("orb");
-      left_orb_.extract(left, measured->left);
+      left_orb_.extract(left, measured->left, more);
     }
     const auto scope = timer_.measure("stereo");
     measure_depth(camera_, measured->left, images.depth, stereo);
@@ -191,12 +232,36 @@ std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   return measured;
 }
 
-void Slam::mark_movable(const StereoImages& images, FrameFeatures& features) {
-  const int interval = std::max(1, settings_.semantics.interval);
-  if (!segmenter_ || results_.size() % static_cast<std::size_t>(interval) != 0) return;
-  const auto scope = timer_.measure("segmentation");
-  mark_movable_features(segmenter_(images.left), features.left.keypoints, settings_.semantics.least_score,
-                        settings_.semantics.margin, features.movable);
+// How the camera moved from the last frame to this one. Both may have been moved by the map since.
+SE3 Slam::step_from_last(const Frame& frame) const {
+  if (entries_.empty() || entries_.back().reference == nullptr) return {};
+  return frame.T_cw * (entries_.back().T_c_reference * current_pose(*entries_.back().reference)).inverse();
+}
+
+bool Slam::is_segmented(bool is_telling) const {
+  switch (settings_.semantics.mode) {
+    case SegmentationMode::keyframes:
+      return is_telling;
+    case SegmentationMode::interval:
+      return results_.size() % static_cast<std::size_t>(std::max(1, settings_.semantics.interval)) == 0;
+    case SegmentationMode::off:
+    case SegmentationMode::all:  // before the frame is located
+      break;
+  }
+  return false;
+}
+
+// What the segmenter has found meanwhile labels the frames that it belongs to, and all since.
+void Slam::take_instances() {
+  const auto scope = timer_.measure("instances");
+  for (const SegmentedFrame& found : segmentation_.take()) {
+    instances_.add(found.frame, found.instances);
+    if (const auto known = sightings_.find(found.frame); known != sightings_.end())
+      known->second = shrunk(instances_.sightings(found.frame));
+  }
+  MapWork work;
+  work.moving = instances_.take_moving_features();
+  if (!work.moving.empty()) worker_.submit(std::move(work));
 }
 
 // `frame` becomes a keyframe, which is still to be put into the map.
@@ -214,14 +279,19 @@ MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
     work.reference_T_cw = current_pose(*frame.reference);
   }
   tracker_.set_keyframe(work.keyframe.get());
+  instances_.set_keyframe(work.keyframe.get());
+  sightings_[frame.index] = shrunk(instances_.sightings());
   frame.reference = work.keyframe.get();
   frame.T_c_reference = SE3{};
   return work;
 }
 
 void Slam::finish() {
+  segmentation_.drain();
+  take_instances();
   worker_.finish();
   timer_.merge(worker_.take_times());
+  timer_.merge(segmentation_.take_times());
 }
 
 std::vector<ClosedLoop> Slam::loops() const {

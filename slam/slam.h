@@ -6,12 +6,14 @@
 //   slam.finish();
 //   write(slam.trajectory());
 //
-// Tracking never waits for mapping, loop closing or the adjustment of the whole map, which have their own
-// threads (slam/mapping/map_worker.h). With SlamSettings::deterministic all of it happens in the calling
-// thread, apart from the features of the right image; then results do not depend on the number of threads and
-// repeat bit for bit.
+// Tracking never waits for mapping, loop closing, the adjustment of the whole map or the segmenter, which
+// have their own threads (slam/mapping/map_worker.h, slam/semantics/segmentation_worker.h). With
+// SlamSettings::deterministic all of it happens in the calling thread, apart from the features of the right
+// image; then results do not depend on the number of threads and repeat bit for bit: a segmented frame's
+// instances are known when the next frame comes.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -22,15 +24,21 @@
 #include "slam/features/stereo_order.h"
 #include "slam/loop/loop_closer.h"
 #include "slam/mapping/map_worker.h"
-#include "slam/semantics/instance.h"
+#include "slam/semantics/instance_tracker.h"
+#include "slam/semantics/segmentation_worker.h"
 #include "slam/tracking/tracker.h"
 
 namespace penumbra::slam {
 
+// Which frames are segmented. `keyframes` (and frames that cannot be located) and `interval`: beside the
+// tracker, which gets the instances when they are there. `all`: every frame, before it is located; the
+// tracker waits.
+enum class SegmentationMode { off, keyframes, interval, all };
+
 struct SemanticsSettings {
-  int interval = 1;          // every how many frames the segmenter runs
-  double least_score = 0.5;  // instances below it are ignored
-  int margin = 3;            // pixels around a mask that still belong to the object
+  SegmentationMode mode = SegmentationMode::keyframes;
+  int interval = 1;  // frames, of SegmentationMode::interval
+  InstanceTrackerSettings instances;
 };
 
 // Every setting of the pipeline; each group is documented where it is used.
@@ -51,7 +59,9 @@ struct FrameResult {
   int index = 0;
   TrackingReport tracking;
   bool keyframe = false;
-  int features = 0, stereo_features = 0, movable_features = 0;
+  int features = 0, stereo_features = 0;
+  int movable_features = 0;    // on what is known or taken to move
+  double covered_share = 0.0;  // of the image, by what moves
 };
 
 // A piece of the map whose keyframes are tied to each other. One is all there should be; a further one begins
@@ -78,7 +88,9 @@ class Slam {
   // otherwise, and where the first pairs show that left and right are exchanged).
   FrameResult process(const StereoImages& images);
   // The same for a frame whose features were found elsewhere, without the image.
-  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features);
+  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features) {
+    return process(index, timestamp, features, {});
+  }
   // Waits until the map is complete. What is read before shows the map as far as it is.
   void finish();
 
@@ -95,6 +107,9 @@ class Slam {
   const Map& map() const { return map_; }
   const PlaceIndex& index() const { return index_; }
   const LoopCloser& loop_closer() const { return loop_closer_; }
+  // The objects that were found, and what each keyframe showed of them, by its frame's number.
+  const std::vector<TrackedInstance>& instances() const { return instances_.instances(); }
+  const std::map<int, std::vector<InstanceSighting>>& sightings() const { return sightings_; }
   const StageTimer& timer() const { return timer_; }
   const std::vector<FrameResult>& results() const { return results_; }
   const StereoCamera& camera() const { return camera_; }
@@ -108,14 +123,17 @@ class Slam {
     SE3 T_c_reference;
   };
 
+  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
+                      const cv::Mat& image);
   std::shared_ptr<FrameFeatures> measure(const StereoImages& images);
-  void mark_movable(const StereoImages& images, FrameFeatures& features);
+  SE3 step_from_last(const Frame& frame) const;
+  void take_instances();
+  bool is_segmented(bool is_telling) const;
   MapWork make_keyframe(Frame& frame, bool starts_submap);
   int count(TrackingState state) const;
 
   const StereoCamera camera_;
   const SlamSettings settings_;
-  const Segmenter segmenter_;
   StageTimer timer_;
   OrbExtractor left_orb_, right_orb_;
   StereoOrder stereo_order_;
@@ -128,7 +146,11 @@ class Slam {
   Tracker tracker_;
   std::vector<TrajectoryEntry> entries_;
   std::vector<FrameResult> results_;
-  MapWorker worker_;  // the last: its threads use the others
+  InstanceTracker instances_;
+  std::map<int, std::vector<InstanceSighting>> sightings_;  // of keyframes
+  // The last: their threads use the others.
+  MapWorker worker_;
+  SegmentationWorker segmentation_;
 };
 
 }  // namespace penumbra::slam

@@ -1,5 +1,6 @@
-// Everything that was measured in one stereo frame; immutable once made, shared by the frame and its
-// keyframe.
+// Everything that was measured in one stereo frame; shared by the frame and its keyframe. Immutable once
+// made, but for `movable`: what moves may be known later. For a keyframe, the map's worker changes it, under
+// the map's lock.
 #pragma once
 
 #include <array>
@@ -14,9 +15,9 @@ namespace penumbra::slam {
 // Entry i of every vector belongs to feature i of the left image.
 struct FrameFeatures {
   Features left;
-  std::vector<float> u_right;  // column in the right image, pixels; -1 where there is no stereo match
-  std::vector<float> depth;    // metres; -1 where there is no stereo match
-  std::vector<char> movable;   // 1: on an instance of a movable class; kept out of the pose and of the map
+  std::vector<float> u_right;         // column in the right image, pixels; -1 where there is no stereo match
+  std::vector<float> depth;           // metres; -1 where there is no stereo match
+  mutable std::vector<char> movable;  // 1: on something that moves; kept out of the pose and of the map
   std::vector<std::array<std::uint8_t, 3>> colour;  // blue, green, red of the image, for the map file
   FeatureGrid grid;
 

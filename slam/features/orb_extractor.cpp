@@ -114,11 +114,12 @@ void OrbExtractor::find_corners(const cv::Mat& level, const cv::Rect& region) {
   }
 }
 
-void OrbExtractor::extract(const cv::Mat& grey, Features& features) {
+void OrbExtractor::extract(const cv::Mat& grey, Features& features, double more) {
   features.clear();
   pyramid_.build(grey, settings_.pyramid, 2 * kBorder + 1);
   const int wanted = settings_.features > 0 ? settings_.features : default_feature_count(grey.size());
-  const std::vector<int> counts = features_per_level(wanted, level_scales(settings_.pyramid));
+  const std::vector<int> counts =
+      features_per_level(static_cast<int>(std::lround(more * wanted)), level_scales(settings_.pyramid));
 
   for (int l = 0; l < pyramid_.levels(); ++l) {
     const cv::Mat& level = pyramid_.level(l);

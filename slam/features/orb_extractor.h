@@ -38,8 +38,9 @@ class OrbExtractor {
   explicit OrbExtractor(const OrbSettings& settings) : settings_(settings) {}
 
   // `grey`: 8-bit, one channel, any size. An image without texture or smaller than a patch has no features.
-  // `grey` must stay alive and unchanged as long as pyramid() is used.
-  void extract(const cv::Mat& grey, Features& features);
+  // `grey` must stay alive and unchanged as long as pyramid() is used. `more`: times as many features as the
+  // settings say, where part of the image is known to be of no use.
+  void extract(const cv::Mat& grey, Features& features, double more = 1.0);
 
   // The pyramid of the last image.
   const ImagePyramid& pyramid() const { return pyramid_; }

@@ -48,7 +48,7 @@ void put_keyframe(ByteWriter& out, const KeyFrame& keyframe) {
   out.put_array(std::span(f.left.descriptors));
   out.put_array(std::span(f.u_right));
   out.put_array(std::span(f.depth));
-  out.put_array(std::span(f.movable));
+  out.put_array(std::span<const char>(f.movable));
   out.put_array(std::span(f.colour));
 }
 

@@ -1,5 +1,6 @@
 #include "slam/mapping/map_worker.h"
 
+#include <algorithm>
 #include <shared_mutex>
 #include <utility>
 
@@ -27,21 +28,29 @@ MapWorker::~MapWorker() {
   stop_adjustment();
 }
 
+std::ptrdiff_t MapWorker::waiting_keyframes() const {
+  return std::count_if(queue_.begin(), queue_.end(),
+                       [](const Task& task) { return task.keyframe != nullptr; });
+}
+
 void MapWorker::submit(MapWork work) {
+  Task task{nullptr, std::move(work.moving)};
+  const bool has_keyframe = work.keyframe != nullptr;
+  if (threaded_) {
+    std::unique_lock lock(mutex_);
+    const auto has_room = [&] { return failure_ || waiting_keyframes() < kLongestQueue; };
+    if (has_keyframe) changed_.wait_for(lock, kLongestPause, has_room);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+  if (has_keyframe) task.keyframe = insert(std::move(work));
   if (!threaded_) {
-    process(insert(std::move(work)));
+    process(task);
     return;
   }
   {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, kLongestPause, [&] { return failure_ || queue_.size() < kLongestQueue; });
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-  KeyFrame* keyframe = insert(std::move(work));
-  {
     const std::lock_guard lock(mutex_);
-    queue_.push_back(keyframe);
-    hurry_ = queue_.size() >= kHurry;
+    queue_.push_back(std::move(task));
+    hurry_ = waiting_keyframes() >= kHurry;
   }
   changed_.notify_all();
 }
@@ -60,11 +69,11 @@ void MapWorker::run() {
     if (ending_) return;
     working_ = true;
     const bool apply = std::exchange(adjusted_, false);
-    KeyFrame* keyframe = nullptr;
+    Task task;
     if (!apply) {
-      keyframe = queue_.front();
+      task = std::move(queue_.front());
       queue_.pop_front();
-      hurry_ = queue_.size() >= kHurry;
+      hurry_ = waiting_keyframes() >= kHurry;
     }
     lock.unlock();
     std::exception_ptr failure;
@@ -72,7 +81,7 @@ void MapWorker::run() {
       if (apply) {
         apply_adjustment();
       } else {
-        process(keyframe);
+        process(task);
       }
     } catch (...) {
       failure = std::current_exception();
@@ -110,7 +119,10 @@ KeyFrame* MapWorker::insert(MapWork work) {
   return keyframe;
 }
 
-void MapWorker::process(KeyFrame* keyframe) {
+void MapWorker::process(const Task& task) {
+  take_out(task.moving);
+  if (task.keyframe == nullptr) return;
+  KeyFrame* keyframe = task.keyframe;
   {
     const auto scope = timer_.measure("mapping");
     mapper_.process(keyframe, threaded_ ? &hurry_ : nullptr);
@@ -122,6 +134,20 @@ void MapWorker::process(KeyFrame* keyframe) {
   }
   if (closed) adjust_whole_map(keyframe->submap);
   collect_erased();
+}
+
+// The points go altogether: a thing that moves has no place in the map.
+void MapWorker::take_out(const std::vector<MovingFeatures>& moving) {
+  if (moving.empty()) return;
+  const std::unique_lock lock(map_.mutex());
+  for (const auto& [keyframe, features] : moving) {
+    if (keyframe->erased) continue;
+    for (const int feature : features) {
+      keyframe->features->movable[static_cast<std::size_t>(feature)] = 1;
+      MapPoint* point = keyframe->points[static_cast<std::size_t>(feature)];
+      if (point != nullptr) map_.erase_point(point);
+    }
+  }
 }
 
 void MapWorker::collect_erased() {

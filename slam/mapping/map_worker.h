@@ -14,6 +14,8 @@
 // kLongestPause at most. The tracker only adds to the map; the worker alone erases, so what it holds stays
 // valid while it has let go of the lock.
 //
+// What turns out to lie on something that moves, some keyframes later, comes the same way and leaves the map.
+//
 // A full bundle adjustment is stopped when another loop closes, and begun anew on the map as it is then. At
 // the end of a run it is waited for, but no longer than kLongestWait: then it is stopped and what it has
 // reached is taken over.
@@ -34,10 +36,11 @@
 #include "slam/loop/loop_closer.h"
 #include "slam/mapping/full_bundle_adjustment.h"
 #include "slam/mapping/local_mapper.h"
+#include "slam/semantics/moving_features.h"
 
 namespace penumbra::slam {
 
-// A keyframe on its way into the map.
+// A keyframe on its way into the map; or none, and features to be taken out of it.
 struct MapWork {
   std::unique_ptr<KeyFrame> keyframe;
   std::vector<MapPoint*> tracked;  // per feature: the point that the tracker found there, or nullptr
@@ -45,6 +48,7 @@ struct MapWork {
   // What its pose was found against. Where that has been moved meanwhile, by a loop, the keyframe follows.
   const KeyFrame* reference = nullptr;  // nullptr for none
   SE3 reference_T_cw;
+  std::vector<MovingFeatures> moving;
 };
 
 class MapWorker {
@@ -65,13 +69,21 @@ class MapWorker {
   StageTimer take_times();
 
  private:
-  static constexpr std::size_t kHurry = 1, kLongestQueue = 3;  // keyframes that wait
+  // What waits for the worker: a keyframe to map, or features to take out of the map.
+  struct Task {
+    KeyFrame* keyframe = nullptr;
+    std::vector<MovingFeatures> moving;
+  };
+
+  static constexpr std::ptrdiff_t kHurry = 1, kLongestQueue = 3;  // keyframes that wait
   static constexpr std::chrono::milliseconds kLongestPause{50};
   static constexpr std::chrono::seconds kLongestWait{20};
 
   void run();
+  std::ptrdiff_t waiting_keyframes() const;
   KeyFrame* insert(MapWork work);
-  void process(KeyFrame* keyframe);
+  void process(const Task& task);
+  void take_out(const std::vector<MovingFeatures>& moving);
   void collect_erased();
   void adjust_whole_map(int submap);
   void apply_adjustment();
@@ -87,8 +99,8 @@ class MapWorker {
 
   mutable std::mutex mutex_;         // of what follows
   std::condition_variable changed_;  // of any of it
-  std::deque<KeyFrame*> queue_;
-  std::atomic<bool> hurry_{false};  // the queue is long
+  std::deque<Task> queue_;
+  std::atomic<bool> hurry_{false};  // keyframes wait
   bool working_ = false, adjusting_ = false, ending_ = false;
   std::exception_ptr failure_;
 

@@ -20,7 +20,7 @@ struct Instance {
   }
 };
 
-// Finds the instances of an image (8-bit grey or BGR).
-using Segmenter = std::function<std::vector<Instance>(const cv::Mat& image)>;
+// Finds the instances of an image (8-bit grey or BGR); `frame` is its number in the sequence.
+using Segmenter = std::function<std::vector<Instance>(int frame, const cv::Mat& image)>;
 
 }  // namespace penumbra::slam

@@ -18,6 +18,7 @@ struct Frame {
   std::shared_ptr<FrameFeatures> features;  // the tracker sharpens their positions, then nobody does
   const ImagePyramid* pyramid = nullptr;    // of the left image; only while the frame is tracked
   std::shared_ptr<const std::vector<Patch>> patches;  // per feature; given by the tracker
+  double covered_share = 0.0;                         // of the image, by what is known to move
   SE3 T_cw;
   std::vector<MapPoint*> points;  // per feature: the map point it shows, or nullptr
   std::vector<char> aligned;      // per feature: 1 where the point's patch was found at its pixel

@@ -21,8 +21,9 @@ struct NormalEquations {
 
 class Problem {
  public:
-  Problem(const StereoCamera& camera, std::span<const PoseObservation> observations)
-      : camera_(camera), observations_(observations), inlier_(observations.size(), 1) {
+  Problem(const StereoCamera& camera, std::span<const PoseObservation> observations,
+          const std::optional<PosePrior>& prior)
+      : camera_(camera), observations_(observations), prior_(prior), inlier_(observations.size(), 1) {
     for (std::size_t i = 0; i < observations.size(); ++i) {
       const PoseObservation& o = observations[i];
       usable_.push_back(o.point.allFinite() && o.measurement.pixel.allFinite());
@@ -33,6 +34,7 @@ class Problem {
   // Cost over the inliers, and with `derivatives` their normal equations.
   NormalEquations evaluate(const SE3& T_cw, bool robust, bool derivatives) const {
     NormalEquations n;
+    if (prior_) add_prior(T_cw, n);
     for (std::size_t i = 0; i < observations_.size(); ++i) {
       if (!inlier_[i]) continue;
       const PixelMeasurement& z = observations_[i].measurement;
@@ -100,16 +102,29 @@ class Problem {
   std::vector<char> inlier() const { return inlier_; }
 
  private:
+  void add_prior(const SE3& T_cw, NormalEquations& n) const {
+    const Vector6d e = (T_cw * prior_->T_cw.inverse()).log();
+    Vector6d weight;
+    weight.head<3>().setConstant(1.0 / (prior_->metres * prior_->metres));
+    weight.tail<3>().setConstant(1.0 / (prior_->radians * prior_->radians));
+    // The derivative of the logarithm is close to one for the small motions that a prior allows.
+    n.cost += e.dot(weight.cwiseProduct(e));
+    n.H.diagonal() += weight;
+    n.g += weight.cwiseProduct(e);
+  }
+
   const StereoCamera& camera_;
   std::span<const PoseObservation> observations_;
+  const std::optional<PosePrior>& prior_;
   std::vector<char> usable_, inlier_;
 };
 
 PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
-                      std::span<const PoseObservation> observations, const std::vector<char>* begin_with) {
+                      std::span<const PoseObservation> observations, const std::optional<PosePrior>& prior,
+                      const std::vector<char>* begin_with) {
   const PoseEstimate failed{initial, std::vector<char>(observations.size(), 0), 0};
   if (observations.size() < 3 || !initial.is_finite()) return failed;
-  Problem problem(camera, observations);
+  Problem problem(camera, observations, prior);
   if (begin_with != nullptr) problem.begin_with(*begin_with);
   SE3 T_cw = initial;
   int inliers = 0;
@@ -126,13 +141,14 @@ PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
 }  // namespace
 
 PoseEstimate optimize_pose(const StereoCamera& camera, const SE3& initial,
-                           std::span<const PoseObservation> observations) {
-  return optimize(camera, initial, observations, nullptr);
+                           std::span<const PoseObservation> observations,
+                           const std::optional<PosePrior>& prior) {
+  return optimize(camera, initial, observations, prior, nullptr);
 }
 
 PoseEstimate optimize_pose(const StereoCamera& camera, const PnpResult& initial,
                            std::span<const PoseObservation> observations) {
-  return optimize(camera, initial.T_cw, observations, &initial.inlier);
+  return optimize(camera, initial.T_cw, observations, std::nullopt, &initial.inlier);
 }
 
 }  // namespace penumbra::slam

@@ -23,10 +23,12 @@ TrackingReport Tracker::track(Frame& frame) {
   }
 
   refresh_last_frame();
-  const SE3 predicted = motion_.predict(previous_T_cw_, previous_time_, frame.timestamp);
+  const SE3 predicted = this->predicted(frame.timestamp);
+  prior_ = expectation(frame, predicted);
   Located located = locate_by_prediction(frame, predicted, report);
   if (!located.success || located.off_map) {
     const Step step{frame.T_cw, frame.points, located.inliers};
+    prior_.reset();
     Located recognised = recognise(frame);
     if (recognised.success) recognised = locate_in_local_map(frame);
     if (recognised.success) {
@@ -35,9 +37,10 @@ TrackingReport Tracker::track(Frame& frame) {
       take_step(frame, step);
     }
   }
+  if (located.success && follows_occluder(frame, predicted)) located = {};
   report.map_inliers = located.inliers;
-  report.off_map = located.off_map;
-  report.recovered = located.success && state_ == TrackingState::lost;
+  report.off_map = located.success && located.off_map;
+  report.recovered = located.success && (state_ == TrackingState::lost || state_ == TrackingState::occluded);
   if (!located.success) {
     frame.T_cw = predicted;
     std::fill(frame.points.begin(), frame.points.end(), nullptr);
@@ -47,11 +50,29 @@ TrackingReport Tracker::track(Frame& frame) {
       sharp_enough(frame, settings_.extends_map && located.success &&
                               (located.off_map || becomes_keyframe(frame, *reference_, frames_since_keyframe_,
                                                                    settings_.keyframes)));
-  if (settings_.extends_map && lost_with_view_ >= settings_.lost_before_restart) {
+  const bool occluded = state_ == TrackingState::occluded;
+  const int patience = occluded ? settings_.occluded_before_restart : settings_.lost_before_restart;
+  if (settings_.extends_map && lost_with_view_ >= patience) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
   report.state = state_;
   return report;
+}
+
+// What hides the view leaves few points, which a mismatch can lead astray: there, what the motion so far
+// leads to expect counts, too. The longer ago it was measured, the less.
+std::optional<PosePrior> Tracker::expectation(const Frame& frame, const SE3& predicted) const {
+  if (!is_covered(frame) || !motion_.known()) return std::nullopt;
+  const double steps = 1.0 + unlocated_;
+  return PosePrior{predicted, steps * settings_.motion_change_metres,
+                   steps * settings_.motion_change_radians};
+}
+
+// Behind something large a pose that the motion so far does not lead to is rather the other's than the
+// camera's.
+bool Tracker::follows_occluder(const Frame& frame, const SE3& predicted) const {
+  if (!is_covered(frame) || state_ != TrackingState::tracking || !motion_.known()) return false;
+  return (frame.T_cw * predicted.inverse()).translation.norm() > settings_.largest_surprise;
 }
 
 // Whether the frame has enough stereo points to begin a map with.
@@ -60,14 +81,14 @@ bool Tracker::shows_enough(const Frame& frame) const {
   for (int i = 0; i < frame.features->size(); ++i) {
     points += frame.features->has_stereo(i) && !frame.features->is_movable(i);
   }
-  return points >= settings_.fewest_initial_points;
+  return points >= (is_covered(frame) ? settings_.fewest_covered_points : settings_.fewest_initial_points);
 }
 
 // Begins a map, or continues one, at the frame's pose: true if it shows enough points with stereo depth.
 bool Tracker::start(Frame& frame) {
   if (!shows_enough(frame)) return false;
   state_ = TrackingState::tracking;
-  motion_.forget();
+  motion_.presume_mean();
   remember(frame);
   return true;
 }
@@ -172,10 +193,13 @@ std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
   }
   PnpRansacSettings ransac;
   ransac.seed = static_cast<std::uint64_t>(frame.index);
-  ransac.fewest_inliers = settings_.fewest_frame_inliers;
+  ransac.fewest_inliers =
+      is_covered(frame) ? settings_.fewest_occluded_inliers : settings_.fewest_frame_inliers;
   const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
   if (!pnp) return std::nullopt;
-  return optimize_pose(camera_, *pnp, observations).T_cw;
+  return separate_motions(camera_, observations, optimize_pose(camera_, *pnp, observations), std::nullopt,
+                          ransac.seed, settings_.rigid_mover)
+      .world.T_cw;
 }
 
 // First against the last frame that was located, in a narrow and then a wide window around the predicted pose
@@ -197,13 +221,20 @@ Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicte
     }
     return Located{};
   };
-  if (motion_.known()) {
-    if (const Located located = locate_around(predicted); located.success) return located;
+  SE3 start = predicted;
+  if (motion_.measured()) {
+    if (const Located located = locate_around(start); located.success) return located;
   }
-  best = {};  // far points alone fit any motion: only RANSAC's may be a step
-  if (const std::optional<SE3> start = pose_from_last_frame(frame)) {
-    if (const Located located = locate_around(*start); located.success) return located;
+  best = {};                             // far points alone fit any motion: only RANSAC's may be a step
+  if (!prior_ || !motion_.measured()) {  // else descriptors would rather find what covers the view
+    const std::optional<SE3> found = pose_from_last_frame(frame);
+    if (found) start = *found;
+    if (found || motion_.known()) {
+      if (const Located located = locate_around(start); located.success) return located;
+    }
+    if (!found) best = {};
   }
+  if (prior_) return locate_by_turning(frame, start, report);
   if (!settings_.extends_map || best.inliers < settings_.fewest_step_inliers) return {};
   take_step(frame, best);
   return {true, best.inliers, true};
@@ -213,6 +244,31 @@ void Tracker::take_step(Frame& frame, const Step& step) {
   frame.T_cw = step.T_cw;
   frame.points = step.points;
   std::fill(frame.aligned.begin(), frame.aligned.end(), 0);
+}
+
+// Behind something large a bend may begin or end unseen: the few points that are left are looked for as far
+// to the left and right as a turn takes them.
+Tracker::Located Tracker::locate_by_turning(Frame& frame, const SE3& start, TrackingReport& report) {
+  constexpr int kTurns = 5;
+  const double turn = 1.5 * settings_.search_radius / camera_.fx;
+  int most = 0;
+  SE3 best;
+  const auto locate = [&](const SE3& T_cw) {
+    prior_->T_cw = frame.T_cw = T_cw;
+    return locate_from_last_frame(frame, settings_.search_radius, report);
+  };
+  for (int k = -kTurns; k <= kTurns; ++k) {
+    Vector6d motion = Vector6d::Zero();
+    motion[4] = k * turn;
+    const SE3 turned = SE3::exp(motion) * start;
+    const Located located = locate(turned);
+    if (!located.success || located.inliers <= most) continue;
+    most = located.inliers;
+    best = turned;
+  }
+  if (most == 0) return {};
+  report.frame_inliers = locate(best).inliers;
+  return locate_in_local_map(frame);
 }
 
 Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, TrackingReport& report) {
@@ -233,13 +289,15 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
     observations.push_back(
         {*last_point(match.source), measurement_of(*frame.features, match.feature, map_.scales())});
   }
-  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
-  if (estimate.inliers < settings_.fewest_frame_inliers) return {false, estimate.inliers};
+  const PoseEstimate estimate =
+      leave_out_mover(frame, observations, optimize_pose(camera_, frame.T_cw, observations, prior_), report);
+  const int fewest = is_covered(frame) ? settings_.fewest_occluded_inliers : settings_.fewest_frame_inliers;
+  if (estimate.inliers < fewest) return {false, estimate.inliers};
   frame.T_cw = estimate.T_cw;
   std::fill(frame.points.begin(), frame.points.end(), nullptr);
   unmapped_.clear();
   for (std::size_t m = 0; m < matches.size(); ++m) {
-    if (!estimate.inlier[m]) continue;
+    if (!estimate.inlier[m] || frame.features->is_movable(matches[m].feature)) continue;
     MapPoint* point = last_.points[static_cast<std::size_t>(matches[m].source)];
     frame.points[static_cast<std::size_t>(matches[m].feature)] = point;
     if (point == nullptr) {
@@ -247,6 +305,18 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
     }
   }
   return {true, estimate.inliers};
+}
+
+// The pose of the world, where `estimate` may be that of something large that moves; features on that are
+// marked.
+PoseEstimate Tracker::leave_out_mover(Frame& frame, std::span<const PoseObservation> observations,
+                                      const PoseEstimate& estimate, TrackingReport& report) const {
+  const std::optional<SE3> predicted = motion_.known() ? std::optional<SE3>(frame.T_cw) : std::nullopt;
+  SeparatedMotions motions = separate_motions(camera_, observations, estimate, predicted,
+                                              static_cast<std::uint64_t>(frame.index), settings_.rigid_mover);
+  if (motions.mover) mark_mover(motions, *frame.features);
+  report.mover = std::move(motions.mover);
+  return std::move(motions.world);
 }
 
 // Where the camera was last, best first: this run's newest keyframes; before there are any, the reference and
@@ -284,9 +354,10 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   reference_ = local.reference;
   match_local_points(frame, local.points);
   const std::vector<PoseObservation> observations = refine_observations(frame);
-  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations);
+  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations, prior_);
   const int inliers = keep_agreeing(frame, observations, estimate);
-  if (inliers < settings_.fewest_map_inliers) return {false, inliers};
+  const int fewest = is_covered(frame) ? settings_.fewest_occluded_inliers : settings_.fewest_map_inliers;
+  if (inliers < fewest) return {false, inliers};
   frame.T_cw = estimate.T_cw;
   for (MapPoint* point : frame.points) {
     if (point != nullptr && settings_.extends_map) ++point->found;
@@ -401,12 +472,14 @@ void Tracker::finish(Frame& frame, bool located) {
       motion_.observe(frame.T_cw, last_.T_cw, last_.timestamp, frame.timestamp);
     }
     state_ = TrackingState::tracking;
+    unlocated_ = 0;
     remember(frame);
   } else {
-    state_ = TrackingState::lost;
+    state_ = is_covered(frame) ? TrackingState::occluded : TrackingState::lost;
     previous_T_cw_ = frame.T_cw;
     previous_time_ = frame.timestamp;
     lost_with_view_ += shows_enough(frame);
+    ++unlocated_;
   }
 }
 

@@ -24,13 +24,18 @@
 #include "slam/tracking/motion_model.h"
 #include "slam/tracking/pose_optimizer.h"
 #include "slam/tracking/recognition.h"
+#include "slam/tracking/rigid_mover.h"
 
 namespace penumbra::slam {
 
-enum class TrackingState { initialising, tracking, lost };
+// `occluded`: what moves covers so much of the view that the frame cannot be located. Nothing is wrong: the
+// camera is taken to go on as before until there is something to see.
+enum class TrackingState { initialising, tracking, lost, occluded };
 
 struct TrackerSettings {
   MismatchFilterSettings mismatch_filter;
+  RigidMoverSettings rigid_mover;
+  double occluded_share = 0.3;       // of the image, covered by what moves, for a lost frame to be `occluded`
   float search_radius = 10.0F;       // pixels at level 0, around a projection with a known motion
   float wide_search_radius = 30.0F;  // the same when that finds too little
   float map_search_radius = 4.0F;    // around a projection with the frame's own pose
@@ -38,11 +43,17 @@ struct TrackerSettings {
   int fewest_frame_inliers = 20;     // of the match to the last frame
   int fewest_map_inliers = 20;       // of the match to the local map ...
   int fewest_step_inliers = 50;      // ... or, where the map has too few, of the match to the last frame
+  int fewest_occluded_inliers = 8;   // of any, where what moves covers `occluded_share` of the view
+  double largest_surprise = 0.4;     // metres between prediction and pose, where the view is covered
   int local_keyframes = 20;          // whose points make the local map
   RecognitionSettings recognition;   // of a lost frame
   int lost_before_restart = 5;       // lost frames with enough points after which a new sub-map begins
-  bool extends_map = true;           // false: the map stays as it is, the camera is only located in it
+  int occluded_before_restart = 1;   // the same for occluded ones
+  int fewest_covered_points = 20;    // stereo points that such a frame needs
   KeyframeSettings keyframes;        // which frames become one
+  // How much the motion may change from frame to frame: what it is worth where the view is covered.
+  double motion_change_metres = 0.1, motion_change_radians = 0.02;
+  bool extends_map = true;  // false: the map stays as it is, the camera is only located in it
   // A frame below this share of the usual sharpness (slam/features/sharpness.h) leaves it to one of the next
   // frames to become the keyframe; 0: no blur test.
   double least_sharpness = 0.0;
@@ -58,7 +69,8 @@ struct TrackingReport {
   bool recovered = false;       // a lost one, found again
   bool off_map = false;         // located by the last frame alone: its keyframe begins new ground
   bool wants_keyframe = false;
-  bool starts_submap = false;  // its keyframe is the first of a new sub-map
+  bool starts_submap = false;     // its keyframe is the first of a new sub-map
+  std::optional<Instance> mover;  // a large thing that moves, found by geometry alone
 };
 
 class Tracker {
@@ -75,6 +87,9 @@ class Tracker {
 
   // Locates `frame` (its features are given): fills pose, points and reference.
   TrackingReport track(Frame& frame);
+
+  // Motion that is expected between the frame before and one at `time`.
+  SE3 predicted_step(double time) const { return predicted(time) * previous_T_cw_.inverse(); }
 
   // Tells that the last frame tracked has become `keyframe`, which is in the map when the next one is
   // tracked.
@@ -93,11 +108,18 @@ class Tracker {
     int inliers = 0;
   };
 
+  SE3 predicted(double time) const {
+    return state_ == TrackingState::tracking ? motion_.predict(previous_T_cw_, previous_time_, time)
+                                             : motion_.coast(previous_T_cw_, previous_time_, time);
+  }
+  std::optional<PosePrior> expectation(const Frame& frame, const SE3& predicted) const;
+  bool follows_occluder(const Frame& frame, const SE3& predicted) const;
   bool shows_enough(const Frame& frame) const;
   bool start(Frame& frame);
   void remember(Frame& frame);
   void refresh_last_frame();
   Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
+  Located locate_by_turning(Frame& frame, const SE3& start, TrackingReport& report);
   std::optional<Eigen::Vector3d> last_point(int i) const;
   std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
@@ -112,6 +134,9 @@ class Tracker {
   std::vector<Projection> project_last_frame(const SE3& T_cw) const;
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
+  PoseEstimate leave_out_mover(Frame& frame, std::span<const PoseObservation> observations,
+                               const PoseEstimate& estimate, TrackingReport& report) const;
+  bool is_covered(const Frame& frame) const { return frame.covered_share >= settings_.occluded_share; }
   bool sharp_enough(const Frame& frame, bool wanted);
   void finish(Frame& frame, bool located);
 
@@ -133,13 +158,15 @@ class Tracker {
   };
   std::vector<Unmapped> unmapped_;
   MotionModel motion_;
-  KeyFrame* reference_ = nullptr;  // the keyframe that shares the most points with the last frame
+  std::optional<PosePrior> prior_;  // of the frame, where its view is covered
+  KeyFrame* reference_ = nullptr;   // the keyframe that shares the most points with the last frame
   KeyFrame* newest_keyframe_ = nullptr;
   KeyFrame* last_keyframe_ = nullptr;  // what the last frame has become, if it has
   int frames_since_keyframe_ = 0;
   SharpnessTest sharpness_;
   int blurred_candidates_ = 0;  // in a row
   int lost_with_view_ = 0;      // lost frames in a row that showed enough to begin a map
+  int unlocated_ = 0;           // frames since the last that was located
 };
 
 }  // namespace penumbra::slam

@@ -59,8 +59,34 @@ TEST(SlamCommand, LeavesFeaturesOnMovableInstancesOut) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return nlohmann::json::parse(contents(folder / "out" / "run.json")).at("movable_features").get<int>();
   };
-  EXPECT_GT(movable_features(""), 0);
-  EXPECT_EQ(movable_features("--no-segmentation"), 0);
+  EXPECT_GT(movable_features("--segmentation all"), 0);
+  EXPECT_EQ(movable_features("--segmentation off"), 0);
+}
+
+TEST(SlamCommand, TakesMasksInsteadOfANetwork) {
+  const test::TemporaryDirectory folder;
+  const std::string street = (folder / "street").string();
+  ASSERT_EQ(test::run_penumbra("synth --preset lorry --frames 8 --out " + street).exit_code, 0);
+  const std::string run =
+      fmt::format("slam '{0}' --out '{0}/out' --masks '{0}/sequences/00/instances' ", street);
+  const test::ProgramResult result = test::run_penumbra(run + "--deterministic");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json report = nlohmann::json::parse(contents(folder / "street/out/run.json"));
+  EXPECT_GT(report["movable_features"], 0);
+  bool lorry_moves = false;
+  for (const nlohmann::json& instance : report["instances"]) {
+    lorry_moves = lorry_moves || (instance["class"] == "truck" && instance["state"] == "moving" &&
+                                  instance["speed_mps"].get<double>() > 4.0);
+  }
+  EXPECT_TRUE(lorry_moves) << report["instances"].dump();
+
+  const test::ProgramResult wrong = test::run_penumbra(run + "--segmentation every-0");
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("--segmentation"), std::string::npos) << wrong.err;
+  std::ofstream(folder / "street/sequences/00/instances.json") << "[1, 2";
+  const test::ProgramResult torn = test::run_penumbra(run);
+  EXPECT_EQ(torn.exit_code, 1);
+  EXPECT_NE(torn.err.find("instances.json"), std::string::npos) << torn.err;
 }
 
 TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
@@ -162,24 +163,57 @@ TEST(Slam, ResultsRepeatBitForBitWhateverTheThreads) {
   expect_equal(trajectories[1], trajectories[2]);
 }
 
-TEST(Slam, FeaturesOnMovableInstancesStayOutOfTheMap) {
+// The upper, near wall is called a car.
+std::vector<Instance> upper_half(int /*frame*/, const cv::Mat& image) {
+  const cv::Rect region(0, 0, image.cols, image.rows / 2);
+  return {{3, "car", 0.9F, region, cv::Mat1b(region.size(), uchar{255})}};
+}
+
+int points_above(const Slam& slam) {
+  return static_cast<int>(
+      std::count_if(slam.map().points().begin(), slam.map().points().end(),
+                    [](const auto& point) { return !point->erased && point->position.y() < 0.0; }));
+}
+
+TEST(Slam, ByClassAloneMovableInstancesStayOutOfTheMap) {
   const Walls walls;
-  const auto upper_half = [](const cv::Mat& image) {
-    const cv::Rect region(0, 0, image.cols, image.rows / 2);
-    return std::vector<Instance>{{3, "car", 0.9F, region, cv::Mat1b(region.size(), uchar{255})}};
-  };
-  Slam slam(walls.camera(), {}, upper_half);
+  SlamSettings settings;
+  settings.semantics.mode = SegmentationMode::all;
+  settings.semantics.instances.check_motion = false;
+  Slam slam(walls.camera(), settings, upper_half);
   for (int i = 0; i < 8; ++i) {
     const FrameResult result = slam.process(walls.frame(2 * i));
     EXPECT_GT(result.movable_features, result.features / 4);
   }
   EXPECT_EQ(slam.lost(), 0);
-  // Only the lower, far wall has points.
-  for (const auto& point : slam.map().points()) {
-    if (!point->erased) {
-      EXPECT_GT(point->position.y(), 0.0);
-    }
+  EXPECT_EQ(points_above(slam), 0);
+}
+
+TEST(Slam, WhatStandsStaysInTheMapWhateverItsClass) {
+  const Walls walls;
+  Slam slam(walls.camera(), {}, upper_half);
+  for (int i = 0; i < 16; ++i) slam.process(walls.frame(2 * i));
+  slam.finish();
+  EXPECT_EQ(slam.lost(), 0);
+  EXPECT_GT(points_above(slam), 100);
+  ASSERT_EQ(slam.instances().size(), 1U);
+  EXPECT_EQ(slam.instances()[0].state(), MotionState::still);
+}
+
+TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
+  const Walls walls;
+  std::vector<int> segmented;
+  Slam slam(walls.camera(), {}, [&](int frame, const cv::Mat&) {
+    segmented.push_back(frame);
+    return std::vector<Instance>{};
+  });
+  std::vector<int> expected;
+  for (int i = 0; i < 16; ++i) {
+    const FrameResult result = slam.process(i >= 8 && i < 11 ? black(walls, i) : walls.frame(i));
+    if (result.keyframe || result.tracking.state == TrackingState::lost) expected.push_back(i);
   }
+  EXPECT_EQ(slam.lost(), 3);
+  EXPECT_EQ(segmented, expected);
 }
 
 TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {

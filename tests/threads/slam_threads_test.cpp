@@ -90,6 +90,19 @@ TEST_F(SlamThreads, SurviveABlackout) {
   EXPECT_EQ(slam.results().back().tracking.state, TrackingState::tracking);
 }
 
+TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
+  Instance car;
+  car.class_name = "car";
+  car.score = 1.0F;
+  car.region = cv::Rect(180, 50, 90, 50);
+  car.mask = cv::Mat1b(50, 90, std::uint8_t{255});
+  Slam slam(camera, settings, [&](int, const cv::Mat&) { return std::vector<Instance>{car}; });
+  for (const StereoImages& pair : images) slam.process(pair);
+  slam.finish();
+  EXPECT_EQ(slam.trajectory().size(), images.size());
+  EXPECT_FALSE(slam.instances().empty());
+}
+
 // Seventy frames round a ring: a loop is closed, and the whole map adjusted, while the tracker goes on.
 class LoopThreads : public ::testing::Test {
  protected:

@@ -199,6 +199,25 @@ TEST(PoseOptimizer, GoesOnFromWhatRansacHasFound) {
   EXPECT_GE(estimate.inliers, 90);
 }
 
+TEST(PoseOptimizer, AnExpectationCountsWhereFewPointsAreSeen) {
+  const StereoCamera camera = test_camera();
+  const std::vector<PoseObservation> observations = observe(camera, SE3{}, visible_points(camera, 200, 12));
+  PosePrior expected{{}, 0.1, 0.02};
+  expected.T_cw.translation = {0.0, 0.0, -0.05};
+  const PoseEstimate many = optimize_pose(camera, expected.T_cw, observations, expected);
+  EXPECT_LT(many.T_cw.translation.norm(), 1e-3);
+
+  // One pixel each of three far points says nothing about the way ahead: the expectation does.
+  std::vector<PoseObservation> far;
+  for (const double x : {-5.0, 0.0, 5.0}) {
+    const Eigen::Vector3d point(x, 0.3 * x * x - 2.0, 400.0);
+    far.push_back({point, {camera.project_stereo(point), 1.0, false}});
+  }
+  const PoseEstimate few = optimize_pose(camera, expected.T_cw, far, expected);
+  EXPECT_EQ(few.inliers, 3);
+  EXPECT_LT((few.T_cw.translation - expected.T_cw.translation).norm(), 0.02);
+}
+
 TEST(PoseOptimizer, TakesNumbersThatAreNoneAndTooFewPoints) {
   const StereoCamera camera = test_camera();
   std::vector<PoseObservation> observations = observe(camera, SE3{}, visible_points(camera, 50, 11));
