@@ -41,5 +41,6 @@ void add_peak_benchmark(CLI::App& bench);
 void add_conv_benchmark(CLI::App& bench);
 void add_layers_benchmark(CLI::App& bench);
 void add_network_benchmark(CLI::App& bench);
+void add_slam_benchmark(CLI::App& bench);
 
 }  // namespace penumbra::apps

@@ -1,4 +1,5 @@
 // penumbra bench, calibrate and info --cpu: what they print, not how fast they are.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -85,6 +86,45 @@ TEST(Calibrate, MakesWeightsThatRunInInt8) {
   EXPECT_EQ(uncalibrated.exit_code, 1);
   EXPECT_NE(uncalibrated.err.find("penumbra calibrate"), std::string::npos) << uncalibrated.err;
   EXPECT_EQ(test::run_penumbra(segment + calibrated + " --isa avx2").exit_code, 2);
+}
+
+// A folder with two recordings and something else, and the streets.
+TEST(Bench, SlamRunsEverythingInAFolder) {
+  const test::TemporaryDirectory folder;
+  const std::string root = folder.path().string();
+  for (const char* where : {"data/kitti", "data/own/away"}) {
+    ASSERT_EQ(
+        test::run_penumbra(fmt::format("synth --frames 3 --size 200x80 --out {}/{}", root, where)).exit_code,
+        0);
+  }
+  std::filesystem::create_directories(folder / "data/photos");
+  const std::string command =
+      fmt::format("bench slam {0}/data --streets {0}/streets --street-frames 3 --out {0}/out", root);
+  const nlohmann::json result = json_of(command + " --deterministic --json");
+  ASSERT_EQ(result["runs"].size(), 4U);
+  std::vector<std::string> names;
+  for (const nlohmann::json& run : result["runs"]) {
+    names.push_back(run["name"]);
+    EXPECT_EQ(run["frames"], 3);
+    EXPECT_EQ(run["lost"], 0);
+    EXPECT_EQ(run["loops"], 0);
+    EXPECT_LT(run["ate_m"], 0.5);
+    for (const char* key : {"keyframes", "median_ms", "p95_ms", "cpu_ms_per_frame", "peak_rss_mb"}) {
+      EXPECT_GT(run[key], 0.0) << key;
+    }
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"kitti-00", "away-00", "street-block-3", "street-eight-3"}));
+
+  // A recording that cannot be read is a row that says so, and the others are run all the same.
+  std::filesystem::resize_file(folder / "data/kitti/sequences/00/image_1/000001.png", 100);
+  const test::ProgramResult torn = test::run_penumbra(fmt::format("bench slam {0}/data --out {0}/out", root));
+  EXPECT_EQ(torn.exit_code, 1);
+  EXPECT_NE(torn.out.find("failed"), std::string::npos) << torn.out;
+  EXPECT_NE(torn.out.find("away-00"), std::string::npos);
+  EXPECT_NE(torn.err.find("000001.png"), std::string::npos) << torn.err;
+
+  EXPECT_EQ(test::run_penumbra("bench slam --out " + root).exit_code, 2);
+  EXPECT_EQ(test::run_penumbra(fmt::format("bench slam {0}/data/photos --out {0}/out", root)).exit_code, 1);
 }
 
 }  // namespace

@@ -1,0 +1,245 @@
+// penumbra bench slam: every recording of a folder, and synthetic drives, as one table.
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/benchmark.h"
+#include "apps/child_process.h"
+#include "nn/base/error.h"
+#include "nn/io/file.h"
+#include "slam/datasets/euroc.h"
+#include "slam/datasets/folder_listing.h"
+#include "slam/datasets/image_folder.h"
+#include "slam/datasets/kitti.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  penumbra bench slam DATA --out out/bench                              all recordings in DATA, twice below it at most
+  penumbra bench slam DATA --out out/bench --streets out/streets        and a block and an eight, made there
+  penumbra bench slam --streets out/streets --street-frames 60 --out out/bench --repeats 3 --json
+
+Every run is a process of its own, with a folder of results and a log in --out. Times are in milliseconds a frame:
+median, 95th percentile, and processor time of all threads from the first frame to the finished map; memory is the largest
+that the process held. ATE is over the located frames, after a rigid alignment; drift is KITTI's t_rel, on paths below
+200 m over segments of 10 to 50 m. With --repeats every figure is the median of the runs. Leave the machine alone meanwhile.)";
+
+constexpr int kBlockFrames = 470, kEightFrames = 1150;  // once round, and a little more
+
+struct SlamBenchmarkOptions {
+  std::string data, out, streets;
+  std::optional<int> street_frames;
+  int repeats = 1;
+  bool deterministic = false, json = false;
+};
+
+struct Job {
+  std::string name;  // also of its folder in --out
+  std::vector<std::string> arguments;
+};
+
+// A figure of run.json; most are shown in the table, all of them as JSON.
+struct Column {
+  const char* key;
+  const char* title;
+  int decimals;
+};
+constexpr Column kColumns[] = {
+    {"frames", "frames", 0},         {"tracked", "located", 0},  {"lost", "lost", 0},
+    {"keyframes", "keyframes", 0},   {"loops", "loops", 0},      {"ate_m", "ATE m", 3},
+    {"t_rel_percent", "t_rel %", 2}, {"median_ms", "median", 1}, {"p95_ms", "95 %", 1},
+    {"cpu_ms_per_frame", "CPU", 1},  {"peak_rss_mb", "MB", 0}};
+
+// Recordings in `folder` or up to `depth` levels below it, in the order of their names.
+void find_recordings(const fs::path& folder, const std::string& name, int depth, std::vector<Job>& jobs) {
+  const std::vector<std::string> sequences = slam::kitti_sequences(folder);
+  for (const std::string& sequence : sequences)
+    jobs.push_back({name + "-" + sequence, {folder.string(), "--sequence", sequence}});
+  if (!sequences.empty()) return;
+  const bool is_tum = slam::is_present(folder / "rgb.txt") && slam::is_present(folder / "depth.txt");
+  const bool is_recording = slam::looks_like_kitti(folder) || slam::looks_like_euroc(folder) || is_tum ||
+                            slam::looks_like_image_folder(folder);
+  if (is_recording) {
+    jobs.push_back({name, {folder.string()}});
+  } else if (depth > 0) {
+    for (const fs::path& entry : slam::list_folder(folder)) {
+      if (slam::is_folder(entry)) find_recordings(entry, entry.filename().string(), depth - 1, jobs);
+    }
+  }
+}
+
+// What a run said went wrong; its last line where it said nothing.
+std::string complaint(const fs::path& log) {
+  constexpr std::string_view kError = "error: ";
+  std::istringstream lines(nn::read_file(log, "the log of a run"));
+  std::string last = "no word";
+  for (std::string line; std::getline(lines, line); last = line) {
+    if (line.starts_with(kError)) return line.substr(kError.size());
+  }
+  return last;
+}
+
+void run_or_throw(const std::vector<std::string>& arguments, const fs::path& log) {
+  const ChildResult result = run_penumbra(arguments, log);
+  if (result.exit_code == 0) return;
+  throw Error(fmt::format("{}: exit code {}: {}", log.string(), result.exit_code, complaint(log)));
+}
+
+// A synthetic drive, made where it is not there yet: a whole one, or none.
+Job street(const fs::path& folder, const std::string& path, int frames) {
+  const std::string name = fmt::format("{}-{}", path, frames);
+  const fs::path made = folder / name, unfinished = folder / (name + ".unfinished");
+  if (!slam::is_folder(made)) {
+    fs::create_directories(folder);
+    spdlog::info("making {}", made.string());
+    run_or_throw({"synth", "--path", path, "--frames", std::to_string(frames), "--out", unfinished.string(),
+                  "--overwrite"},
+                 folder / (name + ".log"));
+    fs::rename(unfinished, made);
+  }
+  return {"street-" + name, {made.string()}};
+}
+
+// One run's figures, by the keys of kColumns; what it does not have is null.
+ordered_json figures(const nlohmann::json& report) {
+  const nlohmann::json truth = report.value("ground_truth", nlohmann::json::object());
+  ordered_json row;
+  for (const Column& column : kColumns) {
+    const std::string key = column.key;
+    if (key == "loops") {
+      row[key] = report.at(key).size();
+    } else if (key == "ate_m") {
+      row[key] = truth.value("ape_rmse_m", nlohmann::json());
+    } else if (key == "t_rel_percent") {
+      row[key] = truth.value(key, nlohmann::json());
+    } else {
+      row[key] = report.value(key, nlohmann::json());
+    }
+  }
+  return row;
+}
+
+// Figure by figure, over those runs that have it.
+ordered_json median_of(const std::vector<ordered_json>& runs) {
+  ordered_json median;
+  for (const Column& column : kColumns) {
+    std::vector<double> values;
+    for (const ordered_json& run : runs) {
+      if (run[column.key].is_number()) values.push_back(run[column.key].get<double>());
+    }
+    std::sort(values.begin(), values.end());
+    median[column.key] = values.empty() ? ordered_json() : ordered_json(values[(values.size() - 1) / 2]);
+  }
+  return median;
+}
+
+ordered_json run_job(const Job& job, const SlamBenchmarkOptions& options) {
+  ordered_json row = {{"name", job.name}};
+  std::vector<ordered_json> runs;
+  try {
+    for (int i = 0; i < options.repeats; ++i) {
+      const fs::path out = fs::path(options.out) / job.name;
+      fs::create_directories(out);
+      std::vector<std::string> arguments = {"slam"};
+      arguments.insert(arguments.end(), job.arguments.begin(), job.arguments.end());
+      arguments.insert(arguments.end(), {"--out", out.string()});
+      if (options.deterministic) arguments.push_back("--deterministic");
+      spdlog::info("{}, run {} of {}", job.name, i + 1, options.repeats);
+      run_or_throw(arguments, out / "log.txt");
+      runs.push_back(figures(nlohmann::json::parse(nn::read_file(out / "run.json", "a run's report"))));
+    }
+    row.update(median_of(runs));
+  } catch (const Error& error) {
+    spdlog::error("{}", error.what());
+    row["error"] = error.what();
+  }
+  return row;
+}
+
+void print_table(const std::vector<ordered_json>& rows) {
+  std::size_t width = 4;
+  for (const ordered_json& row : rows) width = std::max(width, row["name"].get<std::string>().size());
+  fmt::print("{:<{}}", "data", width);
+  for (const Column& column : kColumns) fmt::print(" {:>9}", column.title);
+  fmt::print("\n");
+  for (const ordered_json& row : rows) {
+    fmt::print("{:<{}}", row["name"].get<std::string>(), width);
+    if (row.contains("error")) {
+      fmt::print(" failed\n");
+      continue;
+    }
+    for (const Column& column : kColumns) {
+      const ordered_json& value = row[column.key];
+      fmt::print(" {:>9}",
+                 value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), column.decimals) : "-");
+    }
+    fmt::print("\n");
+  }
+}
+
+void run_benchmark(const SlamBenchmarkOptions& options) {
+  if (options.data.empty() && options.streets.empty()) {
+    throw UsageError("a folder of recordings, --streets, or both");
+  }
+  std::vector<Job> jobs;
+  if (!options.data.empty()) {
+    slam::require_dataset_folder(options.data);
+    find_recordings(options.data, fs::canonical(options.data).filename().string(), 2, jobs);
+    if (jobs.empty()) throw InputError(options.data, "recordings, at most two folders down", "none");
+  }
+  if (!options.streets.empty()) {
+    jobs.push_back(street(options.streets, "block", options.street_frames.value_or(kBlockFrames)));
+    jobs.push_back(street(options.streets, "eight", options.street_frames.value_or(kEightFrames)));
+  }
+  std::vector<ordered_json> rows;
+  for (const Job& job : jobs) rows.push_back(run_job(job, options));
+  if (options.json) {
+    const ordered_json result = {
+        {"deterministic", options.deterministic}, {"repeats", options.repeats}, {"runs", rows}};
+    fmt::print("{}\n", result.dump(2));
+  } else {
+    print_table(rows);
+  }
+  const auto failed =
+      std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row.contains("error"); });
+  if (failed > 0) throw Error(fmt::format("{} of {} runs failed", failed, rows.size()));
+}
+
+}  // namespace
+
+void add_slam_benchmark(CLI::App& bench) {
+  const auto options = std::make_shared<SlamBenchmarkOptions>();
+  CLI::App* command =
+      bench.add_subcommand("slam", "Accuracy, time and memory of the SLAM, over many recordings");
+  command->footer(kExamples);
+  command->add_option("data", options->data, "folder with recordings, at most two folders down")
+      ->type_name("DIR");
+  command->add_option("--out", options->out, "folder for the runs' results")->required()->type_name("DIR");
+  command->add_option("--streets", options->streets, "also two synthetic drives, made in this folder once")
+      ->type_name("DIR");
+  command
+      ->add_option("--street-frames", options->street_frames,
+                   fmt::format("their length (default: {} and {}, a loop each)", kBlockFrames, kEightFrames))
+      ->check(CLI::Range(2, 20000))
+      ->type_name("N");
+  command->add_option("--repeats", options->repeats, "runs of each, of which the medians count")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_flag("--deterministic", options->deterministic, "mapping in line with tracking");
+  command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->callback([options] { run_benchmark(*options); });
+}
+
+}  // namespace penumbra::apps
