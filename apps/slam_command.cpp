@@ -57,7 +57,7 @@ struct SlamOptions {
   std::optional<double> frame_rate;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false;
-  int features = 0, threads = omp_get_max_threads();
+  int features = 0, threads = omp_get_max_threads(), segmentation_threads = 0;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -116,6 +116,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
       options.movers == "on";
   settings.localise = options.localise;
   settings.threads = options.threads;
+  settings.semantics.threads = options.segmentation_threads;
   settings.deterministic = options.deterministic;
   return settings;
 }
@@ -369,6 +370,11 @@ void add_slam_command(CLI::App& app) {
                  "only find the way in the loaded map, and leave it as it is")
       ->needs(load)
       ->excludes(save);
+  command
+      ->add_option("--segmentation-threads", options->segmentation_threads,
+                   "of them, for the network beside the tracker (default: all but one)")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N");
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");

@@ -133,8 +133,10 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
       tracker_(camera_, map_, index_, tracker_settings(settings, camera_), timer_),
       instances_(camera_, map_.scales(), instance_settings(settings, camera_)),
       worker_(camera_, map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
-      segmentation_(settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
-                    !settings.deterministic && settings.semantics.mode != SegmentationMode::all) {
+      segmentation_(
+          settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
+          !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
+          settings.semantics.threads > 0 ? settings.semantics.threads : std::max(1, settings.threads - 1)) {
   loop_closer_.adopt_map();
 }
 

@@ -38,6 +38,9 @@ enum class SegmentationMode { off, keyframes, interval, all };
 struct SemanticsSettings {
   SegmentationMode mode = SegmentationMode::keyframes;
   int interval = 1;  // frames, of SegmentationMode::interval
+  // Of the network beside the tracker; 0: all but one of `SlamSettings::threads`. With as many as there are
+  // processors its threads would wait for each other whenever the tracker holds one of them.
+  int threads = 0;
   InstanceTrackerSettings instances;
 };
 

@@ -1,5 +1,6 @@
 #include "slam/semantics/segmentation_worker.h"
 
+#include <omp.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -17,8 +18,8 @@ void lower_priority() {
 
 }  // namespace
 
-SegmentationWorker::SegmentationWorker(Segmenter segmenter, bool threaded)
-    : segmenter_(std::move(segmenter)), threaded_(threaded) {
+SegmentationWorker::SegmentationWorker(Segmenter segmenter, bool threaded, int threads)
+    : segmenter_(std::move(segmenter)), threaded_(threaded), threads_(threads) {
   if (segmenter_ && threaded_) thread_ = std::thread([this] { run(); });
 }
 
@@ -69,6 +70,7 @@ SegmentedFrame SegmentationWorker::segment(const Job& job) {
 
 void SegmentationWorker::run() {
   lower_priority();
+  omp_set_num_threads(threads_);  // of this thread's loops only
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [&] { return ending_ || waiting_; });

@@ -28,8 +28,8 @@ struct SegmentedFrame {
 
 class SegmentationWorker {
  public:
-  // `segmenter` may be empty: nothing is ever found.
-  SegmentationWorker(Segmenter segmenter, bool threaded);
+  // `segmenter` may be empty: nothing is ever found. `threads`: what its network may use where `threaded`.
+  SegmentationWorker(Segmenter segmenter, bool threaded, int threads = 1);
   // Waits for the image under way, drops the one that waits.
   ~SegmentationWorker();
   SegmentationWorker(const SegmentationWorker&) = delete;
@@ -57,6 +57,7 @@ class SegmentationWorker {
 
   const Segmenter segmenter_;
   const bool threaded_;
+  const int threads_;
   StageTimer timer_;
 
   mutable std::mutex mutex_;         // of what follows

@@ -17,7 +17,7 @@
 namespace penumbra::slam {
 
 struct KeyframeSettings {
-  double least_similarity = 0.4;
+  double least_similarity = 0.5;
   double least_close_share = 0.3;  // of the keyframe's close points
   double close_depth = 20.0;       // metres; up to which stereo depth counts as close
   int longest_gap = 20;            // frames
