@@ -3,12 +3,12 @@
 #include <omp.h>
 #include <spdlog/spdlog.h>
 
-#include <cstdio>
 #include <memory>
 #include <opencv2/core.hpp>
 
 #include "apps/ablation.h"
 #include "apps/commands.h"
+#include "apps/image_size.h"
 #include "apps/progress_bar.h"
 #include "apps/segmenter.h"
 #include "nn/base/error.h"
@@ -47,13 +47,20 @@ std::vector<NamedWeights> named_weights(const AblateOptions& options) {
   return weights;
 }
 
+cv::Size drive_size(const std::string& text) {
+  const std::optional<cv::Size> size = parse_image_size(text);
+  if (size && size->width >= 64 && size->height >= 48) return *size;
+  throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
+}
+
 std::vector<AblationCell> list_cells(const AblateOptions& options, const std::vector<NamedWeights>& weights) {
+  const cv::Size size = drive_size(options.size);
   std::vector<AblationCell> cells;
   for (const std::string& preset : options.presets) {
     for (const int seed : options.seeds) {
       for (const std::string& masks : options.masks) {
         for (const std::string& filter : options.filters) {
-          AblationCell cell{preset, seed, options.frames, options.size, parse_mask_source(masks), "", filter};
+          AblationCell cell{preset, seed, options.frames, size, parse_mask_source(masks), "", filter};
           const bool by_network = cell.masks == MaskSource::classes || cell.masks == MaskSource::geometry;
           if (!by_network) {
             cells.push_back(cell);
@@ -69,15 +76,6 @@ std::vector<AblationCell> list_cells(const AblateOptions& options, const std::ve
     }
   }
   return cells;
-}
-
-void check_size(const std::string& text) {
-  int width = 0, height = 0, used = 0;
-  if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) == 2 &&
-      used == static_cast<int>(text.size()) && width >= 64 && height >= 48) {
-    return;
-  }
-  throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
 }
 
 slam::Segmenter segmenter_of(const AblationCell& cell, const std::filesystem::path& drive,
@@ -111,7 +109,6 @@ nlohmann::json result_of(const AblationCell& cell, const AblateOptions& options,
 }
 
 void run_ablate(const AblateOptions& options) {
-  check_size(options.size);
   const std::vector<NamedWeights> weights = named_weights(options);
   const std::vector<AblationCell> cells = list_cells(options, weights);
   for (const char* folder : {"cells", "drives"}) {

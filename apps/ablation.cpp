@@ -7,6 +7,7 @@
 #include <map>
 
 #include "nn/base/error.h"
+#include "slam/base/quantile.h"
 #include "slam/datasets/open_dataset.h"
 #include "slam/datasets/prefetcher.h"
 #include "slam/datasets/synthetic/street_sequence.h"
@@ -81,7 +82,7 @@ std::string name_of(MaskSource source) {
 }
 
 std::string AblationCell::drive_name() const {
-  return fmt::format("{}_{}_{}_seed{}", preset, size, frames, seed);
+  return fmt::format("{}_{}x{}_{}_seed{}", preset, size.width, size.height, frames, seed);
 }
 
 std::string AblationCell::name() const {
@@ -97,8 +98,7 @@ std::filesystem::path render_drive(const AblationCell& cell, const std::filesyst
   settings.frames = cell.frames;
   settings.seed = static_cast<std::uint32_t>(cell.seed);
   settings.colour = true;
-  const std::size_t cross = cell.size.find('x');
-  settings.size = {std::stoi(cell.size.substr(0, cross)), std::stoi(cell.size.substr(cross + 1))};
+  settings.size = cell.size;
   slam::synthetic::StreetSequence sequence(settings);
   slam::synthetic::write_kitti_layout(sequence, drive, /*overwrite=*/true);
   std::ofstream(drive / kComplete) << "\n";
@@ -118,11 +118,12 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
   const slam::Trajectory& truth = *dataset->ground_truth();
   slam::EvaluationOptions options;
   options.segment_lengths = {10.0, 20.0, 40.0};
-  const slam::Evaluation e = slam::evaluate_trajectory(truth, slam.trajectory(), options);
+  const slam::Trajectory estimate = slam.trajectory();
+  const slam::Evaluation e = slam::evaluate_trajectory(truth, estimate, options);
   const slam::LoopEvaluation loops = loops_of(slam, truth);
   nlohmann::json json = {{"ate_m", e.ape.rmse},
                          {"rpe_m", e.rpe_frames.rmse},
-                         {"angle_deg", mean_angle(truth, slam.trajectory())},
+                         {"angle_deg", mean_angle(truth, estimate)},
                          {"loops", loops.loops.size()},
                          {"loop_precision", loops.precision()},
                          {"loop_recall", loops.keyframe_recall()},

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,7 @@ std::string name_of(MaskSource source);
 struct AblationCell {
   std::string preset;
   int seed = 1, frames = 0;
-  std::string size;  // of the images
+  cv::Size size;  // of the images
   MaskSource masks = MaskSource::none;
   std::string weights;  // name of the network; empty where masks come from none
   std::string filter = "adaptive";

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "apps/benchmark.h"
+#include "apps/image_size.h"
 #include "nn/base/counter_random.h"
 #include "nn/base/error.h"
 #include "nn/models/mask_rcnn.h"
@@ -32,13 +34,11 @@ struct NetworkBenchmarkOptions {
 };
 
 cv::Mat noise_image(const std::string& size) {
-  int width = 0, height = 0, end = 0;
-  const int read = std::sscanf(size.c_str(), "%dx%d%n", &width, &height, &end);
-  if (read != 2 || static_cast<std::size_t>(end) != size.size() || width < 1 || height < 1 || width > 8192 ||
-      height > 8192) {
+  const std::optional<cv::Size> pixels = parse_image_size(size);
+  if (!pixels || pixels->width < 1 || pixels->height < 1 || pixels->width > 8192 || pixels->height > 8192) {
     throw UsageError("--size: expected WIDTHxHEIGHT up to 8192, found '" + size + "'");
   }
-  cv::Mat3b image(height, width);
+  cv::Mat3b image(*pixels);
   std::uint32_t i = 0;
   for (cv::Vec3b& pixel : image) {
     for (int c = 0; c < 3; ++c) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/dataset_arguments.h"
 #include "apps/progress_bar.h"
 #include "nn/base/error.h"
 #include "nn/io/image_file.h"
@@ -34,9 +35,9 @@ SIFT stands in for SURF, which Debian's OpenCV lacks. Time is for features of on
 filters are described in docs/slam/mismatch-filter.md.)";
 
 struct MatchEvalOptions {
-  std::string dataset, frames, format = "auto", plot;
+  DatasetArguments dataset;
+  std::string plot;
   std::vector<std::string> sequences;
-  int step = 1;
   slam::MatchingSettings matching;
   bool no_sift = false, json = false;
 };
@@ -194,18 +195,15 @@ void write_plot(const std::vector<Sequence>& sequences, const MatchEvalOptions& 
 
 void run_match_eval(MatchEvalOptions options) {
   options.matching.sift = !options.no_sift;
-  slam::DatasetOptions dataset_options;
-  dataset_options.format = slam::parse_dataset_format(options.format);
-  if (!options.frames.empty()) dataset_options.frames = slam::parse_frame_range(options.frames);
-  dataset_options.step = options.step;
-  dataset_options.cameras = slam::DatasetCameras::automatic;
-  if (options.sequences.empty()) options.sequences = slam::kitti_sequences(options.dataset);
+  slam::DatasetOptions from = dataset_options(options.dataset);
+  const std::string& folder = options.dataset.folder;
+  if (options.sequences.empty()) options.sequences = slam::kitti_sequences(folder);
   if (options.sequences.empty()) options.sequences = {""};
   cv::setNumThreads(1);
   std::vector<Sequence> sequences;
   for (const std::string& name : options.sequences) {
-    dataset_options.sequence = name;
-    sequences.push_back(evaluate(*slam::open_dataset(options.dataset, dataset_options), options.matching));
+    from.sequence = name;
+    sequences.push_back(evaluate(*slam::open_dataset(folder, from), options.matching));
   }
   if (options.json) {
     print_json(sequences, options);
@@ -222,16 +220,9 @@ void add_match_eval_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("match-eval", "Compare feature matching, with and without the mismatch filter");
   command->footer(kExamples);
-  command->add_option("dataset", options->dataset, "folder of the dataset, with ground truth")->required();
-  command->add_option("--format", options->format, "layout of the dataset")
-      ->check(CLI::IsMember({"auto", "kitti", "euroc", "tum", "folder"}))
-      ->capture_default_str();
+  add_dataset_arguments(*command, options->dataset, "folder of the dataset, with ground truth");
   command->add_option("--sequence", options->sequences,
                       "which ones of a KITTI root; all where none is given");
-  command->add_option("--frames", options->frames, "A:B, frames A to B-1 only");
-  command->add_option("--step", options->step, "take every n-th frame")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
   command->add_option("--threshold", options->matching.threshold, "pixels up to which a pair is effective")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -11,6 +11,7 @@
 
 #include "apps/commands.h"
 #include "apps/compute_options.h"
+#include "apps/dataset_arguments.h"
 #include "apps/frames_report.h"
 #include "apps/keyframe_gallery.h"
 #include "apps/process_usage.h"
@@ -50,10 +51,10 @@ trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyfra
 loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
 
 struct SlamOptions {
-  std::string dataset, out, sequence, frames, weights, classes, masks, save_map, load_map;
-  std::string format = "auto", images = "auto", filter = "adaptive", loops = "on";
+  DatasetArguments dataset;
+  std::string out, sequence, weights, classes, masks, save_map, load_map;
+  std::string images = "auto", filter = "adaptive", loops = "on";
   std::string segmentation = "keyframes", moving = "geometry", movers = "on";
-  int step = 1;
   std::optional<double> frame_rate;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false;
@@ -250,17 +251,14 @@ void run_slam(const SlamOptions& options) {
   SlamRun run;
   run.settings = make_settings(options);
   run.deterministic = options.deterministic;
-  slam::DatasetOptions dataset_options;
-  dataset_options.format = slam::parse_dataset_format(options.format);
-  dataset_options.sequence = options.sequence;
-  if (!options.frames.empty()) dataset_options.frames = slam::parse_frame_range(options.frames);
-  dataset_options.step = options.step;
-  dataset_options.cameras = parse_cameras(options.images);
-  dataset_options.frame_rate = options.frame_rate;
+  slam::DatasetOptions from = dataset_options(options.dataset);
+  from.sequence = options.sequence;
+  from.cameras = parse_cameras(options.images);
+  from.frame_rate = options.frame_rate;
 
-  const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset, dataset_options);
+  const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
   run.dataset = dataset->name();
-  for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset, note);
+  for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset.folder, note);
   const std::optional<LoadedNetwork> loaded = find_network(options);
   slam::Segmenter segmenter;
   if (loaded) segmenter = make_segmenter(*loaded);
@@ -300,11 +298,8 @@ void add_slam_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
   command->footer(kExamples);
-  command->add_option("dataset", options->dataset, "folder of the sequence")->required();
+  add_dataset_arguments(*command, options->dataset, "folder of the sequence");
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
-  command->add_option("--format", options->format, "layout of the dataset")
-      ->check(CLI::IsMember({"auto", "kitti", "euroc", "tum", "folder"}))
-      ->capture_default_str();
   command->add_option("--images", options->images, "which images to read")
       ->check(CLI::IsMember({"auto", "grey", "colour"}))
       ->capture_default_str();
@@ -313,10 +308,6 @@ void add_slam_command(CLI::App& app) {
       ->type_name("HZ");
   command->add_option("--sequence", options->sequence,
                       "which one, where the folder holds several, such as 00");
-  command->add_option("--frames", options->frames, "A:B, frames A to B-1 only");
-  command->add_option("--step", options->step, "take every n-th frame, as a slower camera would")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
   command
       ->add_option("--weights", options->weights, "Mask R-CNN or YOLOv5-seg weights: what moves is left out")
       ->type_name("FILE");
@@ -359,6 +350,11 @@ void add_slam_command(CLI::App& app) {
   command->add_option("--threads", options->threads, "threads (default: all processors)")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  command
+      ->add_option("--segmentation-threads", options->segmentation_threads,
+                   "threads of the network beside the tracker (default: all of --threads but one)")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N");
   CLI::Option* load = command
                           ->add_option("--load-map", options->load_map,
                                        "begin with the map of an earlier run of the same camera")
@@ -370,11 +366,6 @@ void add_slam_command(CLI::App& app) {
                  "only find the way in the loaded map, and leave it as it is")
       ->needs(load)
       ->excludes(save);
-  command
-      ->add_option("--segmentation-threads", options->segmentation_threads,
-                   "of them, for the network beside the tracker (default: all but one)")
-      ->check(CLI::Range(1, 256))
-      ->type_name("N");
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/base/quantile.h"
+
 namespace penumbra::apps {
 
 namespace {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "apps/commands.h"
+#include "apps/image_size.h"
 #include "apps/progress_bar.h"
 #include "nn/base/error.h"
 #include "slam/datasets/synthetic/street_sequence.h"
@@ -29,13 +30,9 @@ struct SynthOptions {
 };
 
 cv::Size parse_size(const std::string& text) {
-  int width = 0, height = 0, used = 0;
-  // Up to five digits each, so that no number overflows.
-  if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) != 2 ||
-      used != static_cast<int>(text.size())) {
-    throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
-  }
-  return {width, height};
+  const std::optional<cv::Size> size = parse_image_size(text);
+  if (!size) throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
+  return *size;
 }
 
 synthetic::LorryAhead parse_gaps(const std::string& text) {

@@ -21,12 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr double kSameTime = 1e-3;  // seconds, between the images of a pair
 
-std::vector<double> times_of(const std::vector<ListedImage>& images) {
-  std::vector<double> times;
-  for (const ListedImage& image : images) times.push_back(image.timestamp);
-  return times;
-}
-
 // T_WB, wherever it is written; empty where it is nowhere.
 Trajectory find_ground_truth(const fs::path& mav) {
   const fs::path estimate = mav / "state_groundtruth_estimate0" / "data.csv";

@@ -90,4 +90,10 @@ std::vector<ListedImage> read_euroc_image_list(const std::filesystem::path& path
   return read_list(path, ",", "NANOSECONDS,NAME", parse_nanoseconds);
 }
 
+std::vector<double> times_of(const std::vector<ListedImage>& images) {
+  std::vector<double> times;
+  for (const ListedImage& image : images) times.push_back(image.timestamp);
+  return times;
+}
+
 }  // namespace penumbra::slam

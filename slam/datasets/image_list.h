@@ -18,4 +18,7 @@ struct ListedImage {
 std::vector<ListedImage> read_tum_image_list(const std::filesystem::path& path);
 std::vector<ListedImage> read_euroc_image_list(const std::filesystem::path& path);
 
+// The images' times.
+std::vector<double> times_of(const std::vector<ListedImage>& images);
+
 }  // namespace penumbra::slam

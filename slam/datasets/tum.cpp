@@ -73,12 +73,6 @@ CameraFile find_camera(const fs::path& folder, const std::string& name) {
                    fmt::format("neither in '{}'", name));
 }
 
-std::vector<double> times_of(const std::vector<ListedImage>& images) {
-  std::vector<double> times;
-  for (const ListedImage& image : images) times.push_back(image.timestamp);
-  return times;
-}
-
 }  // namespace
 
 bool looks_like_tum(const fs::path& path) {

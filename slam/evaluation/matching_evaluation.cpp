@@ -1,10 +1,10 @@
 #include "slam/evaluation/matching_evaluation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <opencv2/features2d.hpp>
 
+#include "slam/base/stopwatch.h"
 #include "slam/features/descriptor_matcher.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/geometry/triangulation.h"
@@ -14,16 +14,6 @@ namespace penumbra::slam {
 namespace {
 
 constexpr double kStill = 0.01;  // metres
-
-class Stopwatch {
- public:
-  double milliseconds() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 Eigen::Matrix3d intrinsics(const StereoCamera& camera) {
   Eigen::Matrix3d K;

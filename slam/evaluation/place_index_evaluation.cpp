@@ -1,10 +1,10 @@
 #include "slam/evaluation/place_index_evaluation.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "nn/base/error.h"
-#include "slam/base/stage_timer.h"
+#include "slam/base/quantile.h"
+#include "slam/base/stopwatch.h"
 
 namespace penumbra::slam {
 
@@ -66,10 +66,9 @@ PlaceIndexEvaluation evaluate_place_index(const Map& map, const Trajectory& trut
         std::any_of(map.keyframes().begin(), map.keyframes().begin() + static_cast<std::ptrdiff_t>(known),
                     [&](const KeyFrame* k) { return is_right(*k); });
     result.revisits += revisits;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const std::vector<PlaceCandidate> found = index.query(*keyframe->features, std::max(candidates, 1));
-    times.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times.push_back(watch.milliseconds());
     if (found.empty()) continue;
     answers.push_back({found.front().score, is_right(*found.front().keyframe)});
     bool right = false;

@@ -3,7 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+
+#include "slam/semantics/cluster_outline.h"
 
 namespace penumbra::slam {
 
@@ -19,26 +20,6 @@ bool travels(const PointOrigin& from, const PointOrigin& now, double least_speed
 }
 
 }  // namespace
-
-cv::Mat1b outline_of_cluster(const cv::Size& image, const std::vector<cv::Point>& pixels, int radius) {
-  cv::Mat1b dots(image, std::uint8_t{0}), outline(image, std::uint8_t{0});
-  if (pixels.empty()) return outline;
-  for (const cv::Point& pixel : pixels) cv::circle(dots, pixel, radius, 255, cv::FILLED);
-  cv::Mat1i labels;
-  std::vector<int> sizes(static_cast<std::size_t>(cv::connectedComponents(dots, labels)), 0);
-  const auto label_at = [&](const cv::Point& p) {
-    return labels(std::clamp(p.y, 0, image.height - 1), std::clamp(p.x, 0, image.width - 1));
-  };
-  for (const cv::Point& pixel : pixels) ++sizes[static_cast<std::size_t>(label_at(pixel))];
-  const auto greatest = static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
-  std::vector<cv::Point> cluster, hull;
-  for (const cv::Point& pixel : pixels) {
-    if (label_at(pixel) == greatest) cluster.push_back(pixel);
-  }
-  cv::convexHull(cluster, hull);
-  cv::fillConvexPoly(outline, hull, 255);
-  return outline;
-}
 
 // How little the new frame's features look like feature `i` of the past where its point is if it stands.
 // Where that is out of sight, how little the others of the past do, one of which may have come to its place.
@@ -114,19 +95,9 @@ std::optional<Instance> CompanionFinder::observe(std::shared_ptr<const FrameFeat
   if (static_cast<int>(travelling.size()) < settings_.fewest_features) return std::nullopt;
   const cv::Size image(camera_.width, camera_.height);
   const cv::Mat1b outline = outline_of_cluster(image, travelling, std::max(4, image.width / 18));
-  const auto inside = [&](const std::vector<cv::Point>& pixels) {
-    return static_cast<int>(std::count_if(pixels.begin(), pixels.end(), [&](const cv::Point& p) {
-      return cv::Rect({}, image).contains(p) && outline(p) != 0;
-    }));
-  };
-  const int own = inside(travelling), foreign = inside(standing);
+  const int own = count_inside(outline, travelling), foreign = count_inside(outline, standing);
   if (own < settings_.fewest_features || own < settings_.least_share * (own + foreign)) return std::nullopt;
-  Instance companion;
-  companion.region = cv::boundingRect(outline);
-  if (companion.region.area() < 16) return std::nullopt;
-  companion.mask = outline(companion.region).clone();
-  companion.score = static_cast<float>(own) / static_cast<float>(own + foreign);
-  return companion;
+  return outlined_instance(outline, own, foreign);
 }
 
 }  // namespace penumbra::slam

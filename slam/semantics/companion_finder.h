@@ -48,9 +48,6 @@ struct PointOrigin {
   bool known = false;
 };
 
-// The hull of the greatest cluster of pixels; `radius`: pixels up to twice that far apart belong together.
-cv::Mat1b outline_of_cluster(const cv::Size& image, const std::vector<cv::Point>& pixels, int radius);
-
 class CompanionFinder {
  public:
   CompanionFinder(const StereoCamera& camera, const CompanionSettings& settings)

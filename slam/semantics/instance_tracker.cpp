@@ -18,6 +18,19 @@ constexpr double kLeastLookShare = 0.15, kMostLookShare = 2.0;
 
 double clamped(double value, double limit) { return std::clamp(value, -limit, limit); }
 
+std::size_t place_of(const InstanceView& view, int feature) {
+  const auto at = std::lower_bound(view.features.begin(), view.features.end(), feature);
+  return static_cast<std::size_t>(at - view.features.begin());
+}
+
+// The origins of a view's features, for those that were found again where it was carried to.
+std::vector<PointOrigin> carried_origins(const InstanceView& view, const std::vector<PointOrigin>& origins,
+                                         const CarriedView& carried) {
+  std::vector<PointOrigin> now(carried.view.features.size());
+  for (const auto& [i, j] : carried.matches) now[place_of(carried.view, j)] = origins[place_of(view, i)];
+  return now;
+}
+
 }  // namespace
 
 const InstanceTracker::FrameRecord* InstanceTracker::record(int frame) const {
@@ -75,14 +88,7 @@ bool InstanceTracker::follow(std::size_t object, const FrameRecord& from, const 
     followed.active = false;
     return false;
   }
-  std::vector<PointOrigin> origins(carried->view.features.size());
-  for (const auto& [i, j] : carried->matches) {
-    const auto old = std::lower_bound(view.features.begin(), view.features.end(), i) - view.features.begin();
-    const auto now = std::lower_bound(carried->view.features.begin(), carried->view.features.end(), j) -
-                     carried->view.features.begin();
-    origins[static_cast<std::size_t>(now)] = followed.origins[static_cast<std::size_t>(old)];
-  }
-  followed.origins = std::move(origins);
+  followed.origins = carried_origins(view, followed.origins, *carried);
   followed.views.push_back(std::move(carried->view));
   if (static_cast<int>(followed.views.size()) > settings_.history) followed.views.pop_front();
   instances_[object].last_frame = to.index;
@@ -140,15 +146,7 @@ void InstanceTracker::look_back(std::size_t object, const FrameRecord& at, const
         carry_view(camera_, newer, *from->features, *to->features, to->index, to->T_co * from->T_co.inverse(),
                    Eigen::Vector3d::Zero(), settings_.view);
     if (!older) return;
-    std::vector<PointOrigin> matched(older->view.features.size());
-    for (const auto& [i, j] : older->matches) {
-      const auto old =
-          std::lower_bound(newer.features.begin(), newer.features.end(), i) - newer.features.begin();
-      const auto now = std::lower_bound(older->view.features.begin(), older->view.features.end(), j) -
-                       older->view.features.begin();
-      matched[static_cast<std::size_t>(now)] = origins[static_cast<std::size_t>(old)];
-    }
-    origins = std::move(matched);
+    origins = carried_origins(newer, origins, *older);
     newer = std::move(older->view);
     from = to;
     learn(instances_[object], origins, newer, *to);
@@ -227,11 +225,10 @@ void InstanceTracker::observe(const SE3& T_step, bool reliable) {
     measure(object, now, /*learn_from_it=*/true);
     if (moved_before || !moves(object)) continue;
     for (const InstanceView& view : followed_[object].views) {
-      const auto at = std::find_if(history_.begin(), history_.end(),
-                                   [&](const FrameRecord& r) { return r.index == view.frame; });
-      if (at != history_.end()) mark(object, *at, view);
+      if (const FrameRecord* at = record(view.frame)) mark(object, *at, view);
     }
   }
+  if (!settings_.companions.enabled) return;
   std::vector<PointOrigin> origins;
   for (int i = 0; i < now.features->size(); ++i) origins.push_back(origin_of(now, i));
   if (const std::optional<Instance> companion =
@@ -383,16 +380,14 @@ std::vector<MovingFeatures> InstanceTracker::take_moving_features() {
 }
 
 double InstanceTracker::covered_share() const {
-  if (history_.empty()) return 0.0;
-  cv::Mat1b covered(camera_.height, camera_.width, std::uint8_t{0});
-  bool any = false;
+  cv::Mat1b covered;
   for (std::size_t object = 0; object < followed_.size(); ++object) {
     if (!followed_[object].active || !moves(object) || (trusted_ && !instances_[object].measured)) continue;
+    if (covered.empty()) covered = cv::Mat1b::zeros(camera_.height, camera_.width);
     const InstanceView& view = followed_[object].views.back();
     covered(view.region) |= view.mask;
-    any = true;
   }
-  return any ? cv::countNonZero(covered) / static_cast<double>(covered.total()) : 0.0;
+  return covered.empty() ? 0.0 : cv::countNonZero(covered) / static_cast<double>(covered.total());
 }
 
 std::vector<InstanceSighting> InstanceTracker::sightings() const {

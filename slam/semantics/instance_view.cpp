@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "slam/base/quantile.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -12,12 +14,6 @@ constexpr double kNearestDepth = 0.5;    // metres; closer things cannot be carr
 constexpr double kLargestScaling = 2.0;  // from frame to frame
 constexpr int kFewestForShift = 4;       // matches that may correct the mask's place
 constexpr double kDepthSlack = 0.05;     // of the depth, for stereo noise; plus half a metre
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Eigen::Vector3d position(const StereoCamera& camera, const FrameFeatures& features, int i) {
   const Keypoint& k = features.keypoint(i);
@@ -33,12 +29,9 @@ bool set_place(const StereoCamera& camera, const FrameFeatures& features,
   }
   if (static_cast<int>(depths.size()) < settings.fewest_stereo) return false;
   std::sort(depths.begin(), depths.end());
-  const auto quantile = [&](double q) {
-    return depths[static_cast<std::size_t>(q * static_cast<double>(depths.size() - 1))];
-  };
-  const double middle = quantile(0.5), slack = 0.5 + kDepthSlack * middle;
-  view.nearest = std::max(quantile(0.1), 0.5 * middle) - slack;
-  view.farthest = std::min(quantile(0.9), 2.0 * middle) + slack;
+  const double middle = quantile_of_sorted(depths, 0.5), slack = 0.5 + kDepthSlack * middle;
+  view.nearest = std::max(quantile_of_sorted(depths, 0.1), 0.5 * middle) - slack;
+  view.farthest = std::min(quantile_of_sorted(depths, 0.9), 2.0 * middle) + slack;
   std::vector<double> x, y, z;
   for (const int i : view.features) {
     const double depth = features.depth[static_cast<std::size_t>(i)];
@@ -48,7 +41,8 @@ bool set_place(const StereoCamera& camera, const FrameFeatures& features,
     y.push_back(p.y());
     z.push_back(p.z());
   }
-  view.centre = {median(x), median(y), median(z)};
+  view.centre = {quantile_of(std::move(x), 0.5), quantile_of(std::move(y), 0.5),
+                 quantile_of(std::move(z), 0.5)};
   return true;
 }
 
@@ -191,8 +185,10 @@ std::optional<CarriedView> carry_view(const StereoCamera& camera, const Instance
       dz.push_back(to.depth[static_cast<std::size_t>(j)] - guesses[g].depth);
   }
   double depth_shift = 0.0;
-  if (static_cast<int>(du.size()) >= kFewestForShift) new_centre += Eigen::Vector2d(median(du), median(dv));
-  if (static_cast<int>(dz.size()) >= kFewestForShift) depth_shift = median(dz);
+  if (static_cast<int>(du.size()) >= kFewestForShift) {
+    new_centre += Eigen::Vector2d(quantile_of(std::move(du), 0.5), quantile_of(std::move(dv), 0.5));
+  }
+  if (static_cast<int>(dz.size()) >= kFewestForShift) depth_shift = quantile_of(std::move(dz), 0.5);
 
   InstanceView& warped = carried.view;
   warped.frame = frame;

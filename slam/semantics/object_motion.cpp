@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "slam/base/quantile.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -19,9 +21,7 @@ Eigen::Vector3d median_velocity(std::span<const PointDisplacement> points) {
   std::vector<double> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < points.size(); ++k) values[k] = points[k].metres[axis] / points[k].seconds;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[axis] = *middle;
+    median[axis] = quantile_of(values, 0.5);
   }
   return median;
 }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "slam/semantics/companion_finder.h"
+#include "slam/base/quantile.h"
+#include "slam/semantics/cluster_outline.h"
 
 namespace penumbra::slam {
 
@@ -40,10 +40,7 @@ std::vector<std::size_t> explained_only_by(const StereoCamera& camera,
 
 double bulk(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  const auto at = [&](double q) {
-    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
-  };
-  return at(0.9) - at(0.1);
+  return quantile_of_sorted(values, 0.9) - quantile_of_sorted(values, 0.1);
 }
 
 bool fits_into_vehicle(std::span<const PoseObservation> observations, const std::vector<std::size_t>& points,
@@ -60,42 +57,33 @@ bool fits_into_vehicle(std::span<const PoseObservation> observations, const std:
   return bulk(x) <= settings.width && bulk(y) <= settings.height && bulk(z) <= settings.length;
 }
 
-cv::Point pixel_of(const PoseObservation& o) {
-  return {cvRound(o.measurement.pixel.x()), cvRound(o.measurement.pixel.y())};
-}
-
-int count_inside(const cv::Mat1b& outline, std::span<const PoseObservation> observations,
-                 const std::vector<std::size_t>& points) {
-  return static_cast<int>(std::count_if(points.begin(), points.end(), [&](std::size_t i) {
-    const cv::Point p = pixel_of(observations[i]);
-    return cv::Rect(0, 0, outline.cols, outline.rows).contains(p) && outline(p) != 0;
-  }));
+std::vector<cv::Point> pixels_of(std::span<const PoseObservation> observations,
+                                 const std::vector<std::size_t>& points) {
+  std::vector<cv::Point> pixels;
+  for (const std::size_t i : points) {
+    const Eigen::Vector3d& pixel = observations[i].measurement.pixel;
+    pixels.emplace_back(cvRound(pixel.x()), cvRound(pixel.y()));
+  }
+  return pixels;
 }
 
 // Describes the mover, if the points in its outline are mostly its own.
 bool describe_mover(const StereoCamera& camera, std::span<const PoseObservation> observations,
                     const std::vector<std::size_t>& own, const std::vector<std::size_t>& others,
                     const SE3& T_cw, SeparatedMotions& motions) {
-  std::vector<cv::Point> pixels;
-  for (const std::size_t i : own) pixels.push_back(pixel_of(observations[i]));
+  const std::vector<cv::Point> pixels = pixels_of(observations, own);
   const cv::Mat1b outline =
       outline_of_cluster({camera.width, camera.height}, pixels, std::max(4, camera.width / 40));
-  const int inside = count_inside(outline, observations, own);
-  const int foreign = count_inside(outline, observations, others);
+  const int inside = count_inside(outline, pixels);
+  const int foreign = count_inside(outline, pixels_of(observations, others));
   if (foreign > kMostWorldInside * inside) return false;
-  Instance mover;
-  mover.region = cv::boundingRect(outline);
-  if (mover.region.area() < 16) return false;
-  mover.mask = outline(mover.region).clone();
-  mover.score = static_cast<float>(inside) / static_cast<float>(inside + foreign);
+  std::optional<Instance> mover = outlined_instance(outline, inside, foreign);
+  if (!mover) return false;
   std::vector<double> depths;
   for (const std::size_t i : own) depths.push_back((T_cw * observations[i].point).z());
   std::sort(depths.begin(), depths.end());
-  const auto at = [&](double q) {
-    return depths[static_cast<std::size_t>(q * static_cast<double>(depths.size() - 1))];
-  };
-  motions.nearest = 0.9 * at(0.1) - 0.5;
-  motions.farthest = 1.1 * at(0.9) + 0.5;
+  motions.nearest = 0.9 * quantile_of_sorted(depths, 0.1) - 0.5;
+  motions.farthest = 1.1 * quantile_of_sorted(depths, 0.9) + 0.5;
   motions.mover = std::move(mover);
   return true;
 }

@@ -105,7 +105,7 @@ void Tracker::remember(Frame& frame) {
 }
 
 void Tracker::set_keyframe(KeyFrame* keyframe) {
-  newest_keyframe_ = reference_ = keyframe;
+  reference_ = keyframe;
   frames_since_keyframe_ = 0;
   last_keyframe_ = keyframe;
   last_.reference = keyframe;
@@ -122,8 +122,6 @@ void Tracker::refresh_last_frame() {
   }
   for (MapPoint*& point : last_.points) point = present(point);
   while (reference_ != nullptr && reference_->erased) reference_ = reference_->stand_in;
-  while (newest_keyframe_ != nullptr && newest_keyframe_->erased)
-    newest_keyframe_ = newest_keyframe_->stand_in;
   map_.readers_let_go();
 }
 

@@ -158,9 +158,8 @@ class Tracker {
   };
   std::vector<Unmapped> unmapped_;
   MotionModel motion_;
-  std::optional<PosePrior> prior_;  // of the frame, where its view is covered
-  KeyFrame* reference_ = nullptr;   // the keyframe that shares the most points with the last frame
-  KeyFrame* newest_keyframe_ = nullptr;
+  std::optional<PosePrior> prior_;     // of the frame, where its view is covered
+  KeyFrame* reference_ = nullptr;      // the keyframe that shares the most points with the last frame
   KeyFrame* last_keyframe_ = nullptr;  // what the last frame has become, if it has
   int frames_since_keyframe_ = 0;
   SharpnessTest sharpness_;

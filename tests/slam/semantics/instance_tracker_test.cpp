@@ -11,6 +11,23 @@ namespace {
 
 constexpr double kStep = 0.8;  // metres that the camera goes ahead from frame to frame, at 10 Hz
 
+// A feature at `pixel` (u, v and u in the right image), `depth` metres away; its looks depend on `key` alone.
+void add_feature(const Eigen::Vector3d& pixel, double depth, std::uint64_t key, FrameFeatures& features) {
+  features.left.keypoints.push_back(
+      {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 0, 0.0F, 1.0F});
+  Descriptor descriptor{};
+  for (std::size_t w = 0; w < descriptor.size(); ++w) descriptor[w] = counter_random(7 + w, key);
+  features.left.descriptors.push_back(descriptor);
+  features.u_right.push_back(static_cast<float>(pixel.z()));
+  features.depth.push_back(static_cast<float>(depth));
+}
+
+// What depends on all features.
+void complete(const StereoCamera& camera, FrameFeatures& features) {
+  features.movable.assign(features.left.keypoints.size(), 0);
+  features.grid = FeatureGrid(features.left.keypoints, camera.width, camera.height);
+}
+
 // A wall of points 30 m ahead of the first frame and a box of points, which the camera drives towards.
 class Street {
  public:
@@ -32,16 +49,9 @@ class Street {
       const Eigen::Vector3d pixel = camera_.project_stereo(p);
       if (!camera_.in_image(pixel.head<2>())) continue;
       if (!on_box && hidden(frame, pixel.head<2>())) continue;
-      features->left.keypoints.push_back(
-          {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 0, 0.0F, 1.0F});
-      Descriptor descriptor{};
-      for (std::size_t w = 0; w < descriptor.size(); ++w) descriptor[w] = counter_random(7 + w, k);
-      features->left.descriptors.push_back(descriptor);
-      features->u_right.push_back(static_cast<float>(pixel.z()));
-      features->depth.push_back(static_cast<float>(p.z()));
+      add_feature(pixel, p.z(), k, *features);
     }
-    features->movable.assign(features->left.keypoints.size(), 0);
-    features->grid = FeatureGrid(features->left.keypoints, camera_.width, camera_.height);
+    complete(camera_, *features);
     return features;
   }
   bool hidden(int frame, const Eigen::Vector2d& pixel) const {
@@ -191,17 +201,10 @@ TEST(InstanceTracker, TakesNoFenceForACompanion) {
         const Eigen::Vector3d p(3.0, 0.3 * static_cast<double>(height) - 0.5, 1.6 + kStep * post);
         const Eigen::Vector3d pixel = camera.project_stereo(p);
         if (!camera.in_image(pixel.head<2>())) continue;
-        features->left.keypoints.push_back(
-            {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 0, 0.0F, 1.0F});
-        Descriptor descriptor{};
-        for (std::size_t w = 0; w < descriptor.size(); ++w) descriptor[w] = counter_random(7 + w, height);
-        features->left.descriptors.push_back(descriptor);
-        features->u_right.push_back(static_cast<float>(pixel.z()));
-        features->depth.push_back(static_cast<float>(p.z()));
+        add_feature(pixel, p.z(), height, *features);
       }
     }
-    features->movable.assign(features->left.keypoints.size(), 0);
-    features->grid = FeatureGrid(features->left.keypoints, camera.width, camera.height);
+    complete(camera, *features);
     tracker.carry(frame, 0.1 * frame, features, frame == 0 ? SE3{} : ahead());
     tracker.observe(frame == 0 ? SE3{} : ahead(), true);
   }

@@ -1,6 +1,7 @@
 #include "slam/semantics/segmentation_worker.h"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <atomic>
 #include <future>
@@ -49,6 +50,21 @@ TEST(SegmentationWorker, TheNewestImageWins) {
   EXPECT_EQ(found[0].frame, 1);
   EXPECT_EQ(found[1].frame, 5);
   EXPECT_EQ(worker.dropped(), 3);
+}
+
+TEST(SegmentationWorker, ItsNetworkHasTheThreadsThatItIsGiven) {
+  const int before = omp_get_max_threads();
+  int seen = 0;
+  SegmentationWorker worker(
+      [&](int, const cv::Mat&) {
+        seen = omp_get_max_threads();
+        return std::vector<Instance>{};
+      },
+      /*threaded=*/true, before + 2);
+  worker.submit(0, cv::Mat());
+  worker.drain();
+  EXPECT_EQ(seen, before + 2);
+  EXPECT_EQ(omp_get_max_threads(), before);  // of the caller's loops
 }
 
 TEST(SegmentationWorker, PassesErrorsOn) {

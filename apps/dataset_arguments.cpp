@@ -1,0 +1,26 @@
+#include "apps/dataset_arguments.h"
+
+#include "slam/datasets/frame_range.h"
+
+namespace penumbra::apps {
+
+void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const std::string& help) {
+  command.add_option("dataset", arguments.folder, help)->required();
+  command.add_option("--format", arguments.format, "layout of the dataset")
+      ->check(CLI::IsMember({"auto", "kitti", "euroc", "tum", "folder"}))
+      ->capture_default_str();
+  command.add_option("--frames", arguments.frames, "A:B, frames A to B-1 only");
+  command.add_option("--step", arguments.step, "take every n-th frame, as a slower camera would")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+}
+
+slam::DatasetOptions dataset_options(const DatasetArguments& arguments) {
+  slam::DatasetOptions options;
+  options.format = slam::parse_dataset_format(arguments.format);
+  if (!arguments.frames.empty()) options.frames = slam::parse_frame_range(arguments.frames);
+  options.step = arguments.step;
+  return options;
+}
+
+}  // namespace penumbra::apps
