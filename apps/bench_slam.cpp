@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kBenchSlamExamples = R"(Examples:
   penumbra bench slam DATA --out out/bench                              all recordings in DATA, twice below it at most
   penumbra bench slam DATA --out out/bench --streets out/streets        and a block and an eight, made there
   penumbra bench slam --streets out/streets --street-frames 60 --out out/bench --repeats 3 --json
@@ -223,7 +223,7 @@ void add_slam_benchmark(CLI::App& bench) {
   const auto options = std::make_shared<SlamBenchmarkOptions>();
   CLI::App* command =
       bench.add_subcommand("slam", "Accuracy, time and memory of the SLAM, over many recordings");
-  command->footer(kExamples);
+  command->footer(kBenchSlamExamples);
   command->add_option("data", options->data, "folder with recordings, at most two folders down")
       ->type_name("DIR");
   command->add_option("--out", options->out, "folder for the runs' results")->required()->type_name("DIR");

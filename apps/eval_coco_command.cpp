@@ -19,7 +19,7 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kEvalCocoExamples = R"(Examples:
   penumbra segment --coco-images val2017 --annotations instances_val2017.json --weights w.safetensors --out found
   penumbra eval-coco --annotations instances_val2017.json --results found/results.json
   penumbra eval-coco --annotations instances_val2017.json --results boxes.json --type bbox --json
@@ -162,7 +162,7 @@ void add_eval_coco_command(CLI::App& app) {
   const auto options = std::make_shared<EvalCocoOptions>();
   CLI::App* command = app.add_subcommand(
       "eval-coco", "Compare detections with ground truth: COCO's AP and AR of boxes and masks");
-  command->footer(kExamples);
+  command->footer(kEvalCocoExamples);
   command->add_option("--annotations", options->annotations, "ground truth, COCO's instances format")
       ->required();
   command->add_option("--results", options->results, "detections, COCO's results format")->required();

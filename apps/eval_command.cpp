@@ -20,7 +20,7 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kEvalExamples = R"(Examples:
   penumbra eval --groundtruth poses/00.txt --estimate out/trajectory_kitti.txt
   penumbra eval --groundtruth poses/00.txt --frames 0:100 --estimate out/trajectory_kitti.txt --segments 10,20,30,40,50
   penumbra eval --groundtruth groundtruth.txt --estimate trajectory_tum.txt --align sim3 --json
@@ -116,7 +116,7 @@ void add_eval_command(CLI::App& app) {
   const auto options = std::make_shared<EvalOptions>();
   CLI::App* command = app.add_subcommand(
       "eval", "Compare an estimated trajectory with the ground truth: APE, RPE, KITTI drift");
-  command->footer(kExamples);
+  command->footer(kEvalExamples);
   command->add_option("--groundtruth", options->ground_truth, "ground truth poses, KITTI or TUM format")
       ->required();
   command->add_option("--estimate", options->estimate, "estimated poses, same format")->required();

@@ -23,7 +23,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kEvalLoopsExamples = R"(Examples:
   penumbra eval-loops out/00 --groundtruth poses/00.txt
   penumbra eval-loops out/00 --groundtruth poses/00.txt --map out/00.map --json
 
@@ -254,7 +254,7 @@ void add_eval_loops_command(CLI::App& app) {
   const auto options = std::make_shared<EvalLoopsOptions>();
   CLI::App* command = app.add_subcommand(
       "eval-loops", "Precision and recall of the loops that a run of `penumbra slam` closed");
-  command->footer(kExamples);
+  command->footer(kEvalLoopsExamples);
   command->add_option("run", options->run, "the --out folder of the run")->required();
   command
       ->add_option("--groundtruth", options->ground_truth,

@@ -24,7 +24,7 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kMatchEvalExamples = R"(Examples:
   penumbra match-eval kitti                                  every sequence that has ground truth
   penumbra match-eval kitti --sequence 00 --sequence 06 --frames 0:50 --json
   penumbra match-eval V1_01_easy --step 2 --plot removed.png
@@ -219,7 +219,7 @@ void add_match_eval_command(CLI::App& app) {
   const auto options = std::make_shared<MatchEvalOptions>();
   CLI::App* command =
       app.add_subcommand("match-eval", "Compare feature matching, with and without the mismatch filter");
-  command->footer(kExamples);
+  command->footer(kMatchEvalExamples);
   add_dataset_arguments(*command, options->dataset, "folder of the dataset, with ground truth");
   command->add_option("--sequence", options->sequences,
                       "which ones of a KITTI root; all where none is given");

@@ -13,7 +13,7 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kReportExamples = R"(Examples:
   penumbra report out/00
   penumbra report out/00 -o street.html
 
@@ -37,7 +37,7 @@ void run_report(const ReportOptions& options) {
 void add_report_command(CLI::App& app) {
   const auto options = std::make_shared<ReportOptions>();
   CLI::App* command = app.add_subcommand("report", "Write a run of `penumbra slam` as one HTML page");
-  command->footer(kExamples);
+  command->footer(kReportExamples);
   command->add_option("run", options->run, "folder that `penumbra slam --out` wrote")->required();
   command->add_option("-o,--out", options->out, "the page (default: report.html in the run's folder)");
   command->callback([options] { run_report(*options); });

@@ -28,7 +28,7 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kSegmentExamples = R"(Examples:
   penumbra segment street.png --weights maskrcnn.safetensors --out found
   penumbra segment *.jpg --weights maskrcnn_resnet50_fpn.pth --out found --show-above 0.7
   penumbra segment street.png --weights maskrcnn.safetensors --out found --json
@@ -230,7 +230,7 @@ void add_segment_command(CLI::App& app) {
   add_network_options(command, options->network);
   add_threads_option(command);
   add_isa_option(command);
-  command->footer(kExamples);
+  command->footer(kSegmentExamples);
   command->callback([options] { segment(*options); });
 }
 

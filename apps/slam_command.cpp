@@ -34,7 +34,7 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam kitti --sequence 00 --out out/00
   penumbra slam kitti --sequence 06 --frames 0:50 --filter off --out out/06
   penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
@@ -297,7 +297,7 @@ void add_slam_command(CLI::App& app) {
   const auto options = std::make_shared<SlamOptions>();
   CLI::App* command =
       app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
-  command->footer(kExamples);
+  command->footer(kSlamExamples);
   add_dataset_arguments(*command, options->dataset, "folder of the sequence");
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   command->add_option("--images", options->images, "which images to read")

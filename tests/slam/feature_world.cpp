@@ -5,7 +5,9 @@
 
 #include "slam/base/counter_random.h"
 
-namespace penumbra::slam::test {
+namespace penumbra::test {
+
+using namespace slam;
 
 namespace {
 
@@ -117,4 +119,4 @@ KeyFrame* DriftingDrive::add_keyframe(double steps) {
   return keyframe;
 }
 
-}  // namespace penumbra::slam::test
+}  // namespace penumbra::test

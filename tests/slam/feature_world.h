@@ -11,7 +11,7 @@
 #include "slam/geometry/stereo_camera.h"
 #include "slam/map/map.h"
 
-namespace penumbra::slam::test {
+namespace penumbra::test {
 
 class FeatureWorld {
  public:
@@ -20,20 +20,20 @@ class FeatureWorld {
 
   explicit FeatureWorld(std::uint64_t seed = 1);
 
-  const StereoCamera& camera() const { return camera_; }
+  const slam::StereoCamera& camera() const { return camera_; }
   std::vector<double> scales() const;
   // The camera after `steps` keyframes, along the road; it began in the world's origin.
-  SE3 T_cw(double steps) const;
+  slam::SE3 T_cw(double steps) const;
   const Eigen::Vector3d& point(int i) const { return points_[static_cast<std::size_t>(i)]; }
   // What is seen from there; `seen[i]` is the world's point that feature i shows. Pixels and descriptors
   // carry a little noise that depends on `noise_seed`.
-  std::shared_ptr<FrameFeatures> view(const SE3& T_cw, std::uint64_t noise_seed,
-                                      std::vector<int>& seen) const;
+  std::shared_ptr<slam::FrameFeatures> view(const slam::SE3& T_cw, std::uint64_t noise_seed,
+                                            std::vector<int>& seen) const;
 
  private:
-  StereoCamera camera_;
+  slam::StereoCamera camera_;
   std::vector<Eigen::Vector3d> points_;
-  std::vector<Descriptor> descriptors_;
+  std::vector<slam::Descriptor> descriptors_;
 };
 
 // Builds a map of the world as a drifting odometry would: step by step its idea of the pose is `drift`
@@ -41,11 +41,11 @@ class FeatureWorld {
 // becomes another map point when it is seen again.
 class DriftingDrive {
  public:
-  DriftingDrive(const FeatureWorld& world, Map& map, const Vector6d& drift)
+  DriftingDrive(const FeatureWorld& world, slam::Map& map, const slam::Vector6d& drift)
       : world_(world), map_(map), drift_(drift) {}
 
   // The next keyframe, at `steps` along the road, where the drive thinks that it is.
-  KeyFrame* add_keyframe(double steps);
+  slam::KeyFrame* add_keyframe(double steps);
   // As if what was seen so far were not recognised any more.
   void forget() { tracked_.clear(); }
   // The same, and what comes is another sub-map.
@@ -54,18 +54,18 @@ class DriftingDrive {
     new_submap_ = map_.begin_submap();
   }
   // From here on it believes to be `motion` (in the camera's frame) from where it did.
-  void shift(const Vector6d& motion) { shift_ = SE3::exp(motion); }
+  void shift(const slam::Vector6d& motion) { shift_ = slam::SE3::exp(motion); }
 
  private:
   const FeatureWorld& world_;
-  Map& map_;
-  Vector6d drift_;
-  SE3 shift_;
+  slam::Map& map_;
+  slam::Vector6d drift_;
+  slam::SE3 shift_;
   int new_submap_ = 0;  // 0: go on in the last one
-  const KeyFrame* last_ = nullptr;
-  SE3 last_T_cw_;  // its true pose
+  const slam::KeyFrame* last_ = nullptr;
+  slam::SE3 last_T_cw_;  // its true pose
   int frames_ = 0;
-  std::vector<MapPoint*> tracked_;  // world's point -> map point that the last keyframe saw
+  std::vector<slam::MapPoint*> tracked_;  // world's point -> map point that the last keyframe saw
 };
 
-}  // namespace penumbra::slam::test
+}  // namespace penumbra::test

@@ -3,7 +3,9 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-namespace penumbra::slam::test {
+namespace penumbra::test {
+
+using namespace slam;
 
 cv::Mat textured_image(int width, int height, int seed) {
   cv::RNG random(static_cast<std::uint64_t>(seed) + 1);
@@ -54,4 +56,4 @@ SE3 random_motion(int seed, double translation, double angle) {
   return SE3::exp(xi);
 }
 
-}  // namespace penumbra::slam::test
+}  // namespace penumbra::test

@@ -34,6 +34,8 @@ std::filesystem::path source_path(const std::string& relative) {
 
 std::filesystem::path fixture(const std::string& name) { return source_path("tests/fixtures") / name; }
 
+nlohmann::json read_json(const std::filesystem::path& path) { return nlohmann::json::parse(read_all(path)); }
+
 TemporaryDirectory::TemporaryDirectory() {
   std::string pattern = (std::filesystem::temp_directory_path() / "penumbra_test_XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace penumbra::test {
@@ -16,6 +17,7 @@ bool data_is_required();
 // A path relative to the root of the source tree, and to its tests/fixtures.
 std::filesystem::path source_path(const std::string& relative);
 std::filesystem::path fixture(const std::string& name);
+nlohmann::json read_json(const std::filesystem::path& path);
 
 // A directory that is empty at the start of the test and removed at its end.
 class TemporaryDirectory {

@@ -15,13 +15,9 @@ namespace {
 
 using test::fixture;
 
-nlohmann::json read_json(const std::string& name) {
-  return nlohmann::json::parse(test::read_file(fixture("checkpoints/" + name)));
-}
-
 TEST(LoadWeights, EveryFixtureHoldsWhatPyTorchReads) {
   // weights_tools/reference/make_checkpoint_fixtures.py wrote the files and the expectation.
-  const nlohmann::json fixtures = read_json("expected.json");
+  const nlohmann::json fixtures = test::read_json(fixture("checkpoints/expected.json"));
   for (const auto& [file, expected] : fixtures.items()) {
     const nn::StateDict state = load_weights(fixture("checkpoints/" + file));
     EXPECT_EQ(state.tensors.size(), expected.size()) << file;
@@ -121,7 +117,7 @@ TEST(LoadWeights, ContiguousTensorsOfAStorageShareItsBytes) {
 
 TEST(LoadWeights, RealCheckpointsAreReadBitForBit) {
   PENUMBRA_REAL_DATA(weights, "weights");
-  const nlohmann::json fixtures = read_json("real_checksums.json");
+  const nlohmann::json fixtures = test::read_json(fixture("checkpoints/real_checksums.json"));
   for (const auto& [file, expected] : fixtures.items()) {
     const nn::StateDict state = load_weights(weights / file);
     EXPECT_EQ(state.tensors.size(), expected["tensors"]) << file;

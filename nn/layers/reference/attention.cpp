@@ -6,12 +6,6 @@
 
 namespace penumbra::nn::reference {
 
-namespace {
-
-double sigmoid(double x) { return 1.0 / (1.0 + std::exp(-x)); }
-
-}  // namespace
-
 Tensor spatial_attention(const Tensor& x, const Tensor& weight) {
   const std::int64_t images = x.extent(0), channels = x.extent(1), height = x.extent(2), width = x.extent(3);
   Tensor pooled({images, 2, height, width});

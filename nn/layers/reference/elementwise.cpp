@@ -8,8 +8,6 @@ namespace penumbra::nn::reference {
 
 namespace {
 
-double sigmoid(double x) { return 1.0 / (1.0 + std::exp(-x)); }
-
 double hard_sigmoid(double x) { return std::min(std::max(x + 3.0, 0.0), 6.0) / 6.0; }
 
 template <class Operation>

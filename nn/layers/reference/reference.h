@@ -2,6 +2,7 @@
 // W] tensors, sums in double. Slow on purpose; the oracle of the fast versions.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,8 @@
 #include "nn/tensor/tensor.h"
 
 namespace penumbra::nn::reference {
+
+inline double sigmoid(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
 // See nn/layers/conv2d.h; `bias` empty and `residual` null for none.
 Tensor conv2d(const Tensor& x, const Tensor& weight, const std::vector<float>& bias,

@@ -15,7 +15,6 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kStep = 0.8;       // metres per frame of the built-in drives
 constexpr double kSpacing = 1.0;    // metres between the points of a route
 constexpr double kSmoothing = 4.0;  // metres: half width of the average that turns poses into a route
@@ -37,8 +36,8 @@ class PathDrawer {
   }
   // To the right for side = 1, to the left for -1.
   void bend(int side) {
-    const double angle = 0.5 * kPi * side;
-    const int steps = static_cast<int>(std::ceil(0.5 * kPi * kBendRadius / kSpacing));
+    const double angle = 0.5 * std::numbers::pi * side;
+    const int steps = static_cast<int>(std::ceil(0.5 * std::numbers::pi * kBendRadius / kSpacing));
     const auto to_path = [&](double h) -> Eigen::Vector2d {
       return -side * kBendRadius * Eigen::Vector2d(std::cos(h), -std::sin(h));
     };

@@ -14,8 +14,6 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 class StreetBuilder {
  public:
   StreetBuilder(const Drive& drive, const StreetSettings& settings, std::uint32_t seed)
@@ -55,7 +53,7 @@ class StreetBuilder {
   // heading, from before or behind, so that houses shade one side of the street only.
   void light_street() {
     float azimuth = random_.uniform(0.5F, 1.1F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
-    if (random_.chance(0.6F)) azimuth += static_cast<float>(kPi);
+    if (random_.chance(0.6F)) azimuth += static_cast<float>(std::numbers::pi);
     float height = random_.uniform(0.78F, 1.08F);
     if (settings_.light == Light::evening) {
       height = 0.2F + 0.45F * (height - 0.78F);
@@ -73,7 +71,7 @@ class StreetBuilder {
 
   GroundPose beside(const Route& road, double along, int side, double lateral) const {
     GroundPose pose = road.at(along, side * lateral);
-    if (side < 0) pose.heading += kPi;
+    if (side < 0) pose.heading += std::numbers::pi;
     return pose;
   }
 
@@ -133,7 +131,7 @@ class StreetBuilder {
 
   double bend(const Route& road, double along) const {
     const double turn = road.at(along + 3.0).heading - road.at(along - 3.0).heading;
-    return std::abs(std::remainder(turn, 2.0 * kPi));
+    return std::abs(std::remainder(turn, 2.0 * std::numbers::pi));
   }
 
   void park_cars(const Route& road, int side) {
@@ -155,7 +153,7 @@ class StreetBuilder {
         }
         Object& car = lorry ? add_lorry(world_, random_) : add_car(world_, random_);
         car.pose = pose;
-        car.pose.heading += random_.uniform(-0.03F, 0.03F) + (random_.chance(0.12F) ? kPi : 0.0);
+        car.pose.heading += random_.uniform(-0.03F, 0.03F) + (random_.chance(0.12F) ? std::numbers::pi : 0.0);
         give_instance(car);
       }
       along += place;

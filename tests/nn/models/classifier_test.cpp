@@ -20,12 +20,7 @@
 namespace penumbra::nn {
 namespace {
 
-nlohmann::json read_json(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  return nlohmann::json::parse(file);
-}
-
-ClassifierConfig small_images() {
+ClassifierConfig small_classifier() {
   ClassifierConfig config;
   config.transform.resize = 72;
   config.transform.crop = 64;
@@ -33,8 +28,8 @@ ClassifierConfig small_images() {
 }
 
 TEST(Classifier, EveryDepthAndWidthGivesTorchvisionsLogits) {
-  for (const nlohmann::json& expected : read_json(test::fixture("classifier/random_resnets.json"))) {
-    const Classifier network(test::random_resnet(expected["depth"], expected["width"]), small_images());
+  for (const nlohmann::json& expected : test::read_json(test::fixture("classifier/random_resnets.json"))) {
+    const Classifier network(test::random_resnet(expected["depth"], expected["width"]), small_classifier());
     SCOPED_TRACE(network.name());
     EXPECT_EQ(network.name(), fmt::format("ResNet-{}", expected["depth"].get<int>()));
     Arena arena;
@@ -55,7 +50,7 @@ TEST(Classifier, ImageNetPhotographsGetPyTorchsClassesAndLogits) {
   PENUMBRA_REAL_DATA(folder, "imagenet");
   const Classifier network(test::decode_product_quantised(weights_tools::load_weights(weights)));
   Arena arena;
-  const nlohmann::json images = read_json(folder / "expected_pytorch.json")["images"];
+  const nlohmann::json images = test::read_json(folder / "expected_pytorch.json")["images"];
   EXPECT_EQ(images.size(), 20U);
   for (const auto& [name, expected] : images.items()) {
     const std::vector<float> logits = network(read_image(folder / name, ImageColour::bgr), arena);

@@ -19,8 +19,7 @@ namespace penumbra::nn {
 namespace {
 
 nlohmann::json read_fixture(const std::string& name) {
-  std::ifstream file(test::fixture("mask_rcnn/" + name));
-  return nlohmann::json::parse(file);
+  return test::read_json(test::fixture("mask_rcnn/" + name));
 }
 
 // Whether rounding may move the mask's rectangle by a pixel: paste_mask truncates the corners of the grown
@@ -133,30 +132,30 @@ TEST(MaskRcnn, TheSmallNetworkOfTheStreetFindsWhatPyTorchFinds) {
   }
 }
 
-MaskRcnnConfig small_images() { return sized(64, 128); }
+MaskRcnnConfig small_detector() { return sized(64, 128); }
 
 TEST(MaskRcnn, AttentionLeftOutIsTheBaselineBitForBit) {
   StateDict weights = test::random_mask_rcnn(true);
-  MaskRcnnConfig config = small_images();
+  MaskRcnnConfig config = small_detector();
   config.attention = false;
   MaskRcnn without(weights, config);
   EXPECT_FALSE(without.has_attention());
   std::erase_if(weights.tensors,
                 [](const auto& entry) { return entry.first.find("attention") != std::string::npos; });
-  MaskRcnn baseline(weights, small_images());
+  MaskRcnn baseline(weights, small_detector());
   const cv::Mat image = test::random_image(3, 80, 60);
   test::expect_same_bits(without(image), baseline(image));
 }
 
 TEST(MaskRcnn, RepeatsBitForBitOnAnyNumberOfThreads) {
-  MaskRcnn network(test::random_mask_rcnn(true), small_images());
+  MaskRcnn network(test::random_mask_rcnn(true), small_detector());
   const cv::Mat image = test::random_image(4, 90, 70);
   EXPECT_FALSE(network(image).empty());
   test::expect_repeats_on_any_number_of_threads(network, image);
 }
 
 TEST(MaskRcnn, ImagesOfAnyShapeAreTaken) {
-  MaskRcnn network(test::random_mask_rcnn(false), small_images());
+  MaskRcnn network(test::random_mask_rcnn(false), small_detector());
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 300), cv::Size(300, 1), cv::Size(64, 64)}) {
     EXPECT_LE(network(test::random_image(1, size.width, size.height)).size(), 100U)
         << size.width << " x " << size.height;
@@ -171,7 +170,7 @@ TEST(MaskRcnn, WeightsThatAreNotANumberGiveNoDetections) {
   const float nan = std::nanf("");
   std::vector<float> values(64 * 3 * 7 * 7, nan);
   weights.tensors["backbone.body.conv1.weight"].bytes = std::as_bytes(std::span(values));
-  MaskRcnn network(weights, small_images());
+  MaskRcnn network(weights, small_detector());
   EXPECT_TRUE(network(test::random_image(1, 64, 48)).empty());
 }
 

@@ -23,11 +23,6 @@
 namespace penumbra::nn {
 namespace {
 
-nlohmann::json read_json(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  return nlohmann::json::parse(file);
-}
-
 test::RandomYolov5 random_options(const nlohmann::json& expected) {
   return {expected["width"], expected["depth"], expected["classes"], expected["masks"], expected["folded"]};
 }
@@ -44,7 +39,7 @@ std::size_t row_index(const Yolov5Output& output, const Yolov5Candidate& c) {
 }
 
 TEST(Yolov5, RandomWeightsGiveTheRowsAndPrototypesOfPyTorch) {
-  for (const nlohmann::json& expected : read_json(test::fixture("yolov5/random.json"))) {
+  for (const nlohmann::json& expected : test::read_json(test::fixture("yolov5/random.json"))) {
     SCOPED_TRACE(expected["seed"]);
     const Yolov5 network(test::random_yolov5(random_options(expected)));
     const int classes = expected["classes"];
@@ -95,7 +90,7 @@ float box_error(const Box& box, const std::vector<float>& expected) {
 }
 
 TEST(Yolov5, PublishedWeightsFindWhatPyTorchFindsOnRealImages) {
-  for (const nlohmann::json& expected : read_json(test::fixture("yolov5/trained.json"))) {
+  for (const nlohmann::json& expected : test::read_json(test::fixture("yolov5/trained.json"))) {
     PENUMBRA_REAL_DATA(checkpoint, expected["checkpoint"].get<std::string>());
     PENUMBRA_REAL_DATA(path, expected["image"].get<std::string>());
     SCOPED_TRACE(path);
@@ -126,7 +121,7 @@ TEST(Yolov5, PublishedWeightsFindWhatPyTorchFindsOnRealImages) {
 TEST(Yolov5, AveragePrecisionOnCocoIsTheOneExpected) {
   PENUMBRA_REAL_DATA(checkpoint, "weights/yolov5n-seg_fused_state_dict_fp16.pth");
   PENUMBRA_REAL_DATA(folder, "coco");
-  const nlohmann::json expected = read_json(folder / "expected_coco.json");
+  const nlohmann::json expected = test::read_json(folder / "expected_coco.json");
   const CocoAnnotations annotations = read_coco_annotations(folder / "instances_val2017_80.json");
   Yolov5 network(weights_tools::load_weights(checkpoint));
   CocoResultsWriter writer;
