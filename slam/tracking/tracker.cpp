@@ -26,15 +26,16 @@ TrackingReport Tracker::track(Frame& frame) {
   const SE3 predicted = this->predicted(frame.timestamp);
   prior_ = expectation(frame, predicted);
   Located located = locate_by_prediction(frame, predicted, report);
-  if (!located.success || located.off_map) {
-    const Step step{frame.T_cw, frame.points, located.inliers};
+  if (!located.success || located.off_map || !located.clear) {
+    const Step step{frame.T_cw, frame.points, located.inliers, unmapped_};
     prior_.reset();
     Located recognised = recognise(frame);
     if (recognised.success) recognised = locate_in_local_map(frame);
-    if (recognised.success) {
+    if (recognised.success && (located.off_map || recognised.inliers > located.inliers)) {
       located = recognised;
-    } else if (located.off_map) {
+    } else if (located.success) {
       take_step(frame, step);
+      if (!located.off_map) located = locate_in_local_map(frame);
     }
   }
   if (located.success && follows_occluder(frame, predicted)) located = {};
@@ -200,47 +201,87 @@ std::optional<SE3> Tracker::pose_from_last_frame(const Frame& frame) const {
       .world.T_cw;
 }
 
-// First against the last frame that was located, in a narrow and then a wide window around the predicted pose
-// or, where that is no help, around the one that descriptors tell; then against the map. Where the map has
-// too few points here, as after a fast turn, what the last frame tells is enough if it tells it clearly: a
-// keyframe then makes the points.
+// Whether so many pairs with the last frame, or map points, agree, next to those of the frame before, that no
+// other pose will have more.
+bool Tracker::is_clear(int inliers, int before) const {
+  return inliers > 0 && inliers >= settings_.clear_share * before;
+}
+
+// The pose around `start` with which most pairs of the last frame agree, first in a narrow window, then in a
+// wide one; no inliers where none does.
+Tracker::Step Tracker::step_around(Frame& frame, const SE3& start, TrackingReport& report) {
+  Step best;
+  for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
+    frame.T_cw = start;
+    const Located located = locate_from_last_frame(frame, radius, report);
+    if (located.success && located.inliers > best.inliers) {
+      best = {frame.T_cw, frame.points, located.inliers, unmapped_};
+    }
+    if (is_clear(best.inliers, step_inliers_)) break;
+  }
+  report.frame_inliers = best.inliers;
+  return best;
+}
+
+// First against the last frame that was located, around the predicted pose, then against the map. Where
+// either is not clear, a wrong pose may have found itself a few pairs, as on a chessboard: then descriptors
+// are asked for another, and the one with which more of the map agrees is taken. Where the map has too few
+// points here, as after a fast turn, what the last frame tells is enough if it tells it clearly: a keyframe
+// then makes the points.
 Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report) {
   if (last_.features == nullptr) return {};  // in a map that was loaded nothing came before
-  Step best;
-  const auto locate_around = [&](const SE3& start) {
-    for (const float radius : {settings_.search_radius, settings_.wide_search_radius}) {
-      frame.T_cw = start;
-      Located located = locate_from_last_frame(frame, radius, report);
-      report.frame_inliers = located.inliers;
-      if (!located.success) continue;
-      if (located.inliers > best.inliers) best = {frame.T_cw, frame.points, located.inliers};
-      located = locate_in_local_map(frame);
-      if (located.success) return located;
-    }
-    return Located{};
+  corners_ = frame.features->left.keypoints;
+  right_columns_ = frame.features->u_right;
+  const auto locate = [&](const Step& step) {
+    if (step.inliers == 0) return Located{};
+    take_step(frame, step);
+    return locate_in_local_map(frame);
   };
+  Step near;
+  if (motion_.measured()) near = step_around(frame, predicted, report);
+  Located located = locate(near);
+  const auto clear = [&](const Step& step) {
+    return located.success && is_clear(step.inliers, step_inliers_) &&
+           is_clear(located.inliers, map_inliers_);
+  };
+  Step best = near, by_descriptors;  // far points alone fit any motion: only RANSAC's may be a step
   SE3 start = predicted;
-  if (motion_.measured()) {
-    if (const Located located = locate_around(start); located.success) return located;
-  }
-  best = {};                             // far points alone fit any motion: only RANSAC's may be a step
-  if (!prior_ || !motion_.measured()) {  // else descriptors would rather find what covers the view
+  // What covers the view is rather what descriptors would find then.
+  if (!clear(near) && (!prior_ || !motion_.measured())) {
     const std::optional<SE3> found = pose_from_last_frame(frame);
     if (found) start = *found;
     if (found || motion_.known()) {
-      if (const Located located = locate_around(start); located.success) return located;
+      const Step step = step_around(frame, start, report);
+      if (found) by_descriptors = step;
+      const Located other = locate(step);
+      if (other.success && other.inliers > located.inliers) {
+        located = other;
+        best = step;
+      } else {
+        located = locate(near);
+      }
     }
-    if (!found) best = {};
+  }
+  if (located.success) {
+    located.clear = prior_ || clear(best);
+    step_inliers_ = best.inliers;
+    map_inliers_ = located.inliers;
+    return located;
   }
   if (prior_) return locate_by_turning(frame, start, report);
-  if (!settings_.extends_map || best.inliers < settings_.fewest_step_inliers) return {};
-  take_step(frame, best);
-  return {true, best.inliers, true};
+  if (!settings_.extends_map || by_descriptors.inliers < settings_.fewest_step_inliers) return {};
+  take_step(frame, by_descriptors);
+  step_inliers_ = by_descriptors.inliers;
+  map_inliers_ = 0;
+  return {true, by_descriptors.inliers, true};
 }
 
 void Tracker::take_step(Frame& frame, const Step& step) {
+  frame.features->left.keypoints = corners_;  // another attempt may have moved them
+  frame.features->u_right = right_columns_;
   frame.T_cw = step.T_cw;
   frame.points = step.points;
+  unmapped_ = step.unmapped;
   std::fill(frame.aligned.begin(), frame.aligned.end(), 0);
 }
 

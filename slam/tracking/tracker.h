@@ -41,6 +41,7 @@ struct TrackerSettings {
   float map_search_radius = 4.0F;    // around a projection with the frame's own pose
   int fewest_initial_points = 50;    // stereo points that the first frame needs
   int fewest_frame_inliers = 20;     // of the match to the last frame
+  double clear_share = 0.4;          // of the last frame's inliers: with fewer, another pose is tried, too
   int fewest_map_inliers = 20;       // of the match to the local map ...
   int fewest_step_inliers = 50;      // ... or, where the map has too few, of the match to the last frame
   int fewest_occluded_inliers = 8;   // of any, where what moves covers `occluded_share` of the view
@@ -100,12 +101,19 @@ class Tracker {
     bool success = false;
     int inliers = 0;
     bool off_map = false;  // by the last frame alone: the map does not reach here yet
+    bool clear = true;     // false: another pose may have more inliers
+  };
+  // A pair with the last frame that agrees with its pose but shows no map point (a far one, mostly).
+  struct Unmapped {
+    int feature, last_feature;
+    Eigen::Vector3d point;  // world
   };
   // Where a frame is by the match to the last frame.
   struct Step {
     SE3 T_cw;
     std::vector<MapPoint*> points;  // as Frame::points
     int inliers = 0;
+    std::vector<Unmapped> unmapped;
   };
 
   SE3 predicted(double time) const {
@@ -124,7 +132,9 @@ class Tracker {
   std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
   std::vector<KeyFrame*> keyframes_near() const;
-  static void take_step(Frame& frame, const Step& step);
+  bool is_clear(int inliers, int before) const;
+  Step step_around(Frame& frame, const SE3& start, TrackingReport& report);
+  void take_step(Frame& frame, const Step& step);
   Located recognise(Frame& frame);
   Located locate_in_local_map(Frame& frame);
   void match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const;
@@ -148,15 +158,13 @@ class Tracker {
   const int first_own_keyframe_;  // id; older ones are of a map that was loaded
 
   TrackingState state_ = TrackingState::initialising;
-  Frame last_;                  // the last frame that was located
-  SE3 previous_T_cw_;           // of the frame before this one, located or predicted
-  double previous_time_ = 0.0;  // seconds
-  // Pairs with the last frame that agree with its pose but show no map point (far ones, mostly).
-  struct Unmapped {
-    int feature, last_feature;
-    Eigen::Vector3d point;  // world
-  };
-  std::vector<Unmapped> unmapped_;
+  Frame last_;                              // the last frame that was located
+  SE3 previous_T_cw_;                       // of the frame before this one, located or predicted
+  double previous_time_ = 0.0;              // seconds
+  std::vector<Unmapped> unmapped_;          // of the frame
+  int step_inliers_ = 0, map_inliers_ = 0;  // of the last frame: pairs with the one before, map points
+  std::vector<Keypoint> corners_;           // where the frame's features were found, before they are aligned
+  std::vector<float> right_columns_;
   MotionModel motion_;
   std::optional<PosePrior> prior_;     // of the frame, where its view is covered
   KeyFrame* reference_ = nullptr;      // the keyframe that shares the most points with the last frame
