@@ -48,7 +48,7 @@ def arguments():
     parser.add_argument("--scale", type=float, default=1.0,
                         help="train on images of this scale; half the size costs a quarter, for the first steps")
     parser.add_argument("--grey", type=float, default=0.15, help="share of images without colour, for grey cameras")
-    parser.add_argument("--gate-rate", type=float, default=1.0, help="learning rate of the attention, times the others'")
+    parser.add_argument("--gate-rate", type=float, default=0.1, help="learning rate of the attention, times the others'")
     parser.add_argument("--weight-decay", type=float, default=0.01)
     parser.add_argument("--init", help="weights to start from: torchvision's .pth or a checkpoint.pt of this script")
     parser.add_argument("--checkpoint-every", type=int, default=100, help="steps")
