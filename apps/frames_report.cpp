@@ -9,20 +9,6 @@ namespace {
 // Digits beyond a micrometre, a microsecond or a thousandth of a pixel say nothing.
 double rounded(double value) { return std::round(value * 1e6) / 1e6; }
 
-const char* name_of(slam::TrackingState state) {
-  switch (state) {
-    case slam::TrackingState::initialising:
-      return "initialising";
-    case slam::TrackingState::tracking:
-      return "tracking";
-    case slam::TrackingState::occluded:
-      return "occluded";
-    case slam::TrackingState::lost:
-      break;
-  }
-  return "lost";
-}
-
 nlohmann::json histogram(const slam::MismatchFilterReport& report) {
   if (report.bins.empty()) return nullptr;
   std::vector<int> kept, removed;
@@ -38,6 +24,20 @@ nlohmann::json histogram(const slam::MismatchFilterReport& report) {
 }
 
 }  // namespace
+
+const char* name_of(slam::TrackingState state) {
+  switch (state) {
+    case slam::TrackingState::initialising:
+      return "initialising";
+    case slam::TrackingState::tracking:
+      return "tracking";
+    case slam::TrackingState::occluded:
+      return "occluded";
+    case slam::TrackingState::lost:
+      break;
+  }
+  return "lost";
+}
 
 nlohmann::json frames_report(const slam::Slam& slam) {
   nlohmann::json json;

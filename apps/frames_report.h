@@ -7,6 +7,8 @@
 
 namespace penumbra::apps {
 
+const char* name_of(slam::TrackingState state);
+
 // One array a quantity, one entry a frame: index, timestamp (s), state, ms, features, stereo_features,
 // movable_features, matches, inliers, keyframe, and filter: the mismatch filter's histogram as {from, width
 // (pixels), kept [a bin], removed [a bin]}, null where it did not run.

@@ -8,11 +8,9 @@
 
 namespace penumbra::apps {
 
-// Writes at most `most` keyframes, evenly spread over the run, as folder/NNNNNN.jpg (NNNNNN: the frame): the
-// left image, 480 pixels wide, with each feature as a dot; green where it shows a map point, red on something
-// that moves, yellow otherwise; and the masks of instances: red moving, orange mostly hidden, blue movable
-// but still, green of things that cannot move. What an earlier run left in `folder` is removed first. Frames
-// that can no longer be read are left out.
+// Writes at most `most` keyframes, evenly spread over the run, as folder/NNNNNN.jpg (NNNNNN: the frame), as
+// apps/frame_picture.h draws them. What an earlier run left in `folder` is removed first. Frames that can no
+// longer be read are left out.
 void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
                             const slam::Slam& slam, int most = 60);
 

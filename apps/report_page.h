@@ -1,15 +1,20 @@
-// One self-contained HTML page about a run of `penumbra slam`.
+// The HTML page about a run of `penumbra slam`: of a finished one, or of one that is under way.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
+#include "apps/report_data.h"
+
 namespace penumbra::apps {
 
-// The page for a folder that `penumbra slam` wrote: run.json, frames.json, trajectory_kitti.txt, map.ply, and
-// where they are there ground_truth_tum.txt and gallery/. Everything is inside the page, three.js included:
-// it opens without a network. Of the map at most `most_points` points are taken. Throws InputError for
-// a folder that holds no run, or a damaged one.
-std::string make_report_page(const std::filesystem::path& run_folder, std::size_t most_points = 60000);
+// The page for a folder that `penumbra slam` wrote (apps/report_data.h). Everything is inside the page,
+// three.js included: it opens without a network. Of the map at most `most_points` points are taken. Throws
+// InputError for a folder that holds no run, or a damaged one.
+std::string make_report_page(const std::filesystem::path& run_folder,
+                             std::size_t most_points = kMostPagePoints);
+
+// The same page without a run in it: it asks the server that it came from (apps/live_view.h).
+std::string make_live_page(const std::string& title);
 
 }  // namespace penumbra::apps

@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <spdlog/spdlog.h>
 
+#include <charconv>
 #include <csignal>
 #include <filesystem>
 #include <memory>
@@ -12,22 +13,15 @@
 #include "apps/commands.h"
 #include "apps/compute_options.h"
 #include "apps/dataset_arguments.h"
-#include "apps/frames_report.h"
-#include "apps/keyframe_gallery.h"
+#include "apps/live_view.h"
 #include "apps/process_usage.h"
 #include "apps/progress_bar.h"
 #include "apps/segmenter.h"
-#include "apps/slam_report.h"
+#include "apps/slam_results.h"
 #include "nn/base/error.h"
-#include "nn/io/file.h"
-#include "nn/io/image_file.h"
 #include "slam/datasets/open_dataset.h"
 #include "slam/datasets/prefetcher.h"
-#include "slam/evaluation/association.h"
-#include "slam/evaluation/trajectory_plot.h"
-#include "slam/geometry/trajectory_io.h"
 #include "slam/map/map_file.h"
-#include "slam/map/ply.h"
 #include "slam/slam.h"
 
 namespace penumbra::apps {
@@ -45,16 +39,22 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
   penumbra slam wednesday --load-map yard.map --localise --out out/wednesday           only find the way in it
+  penumbra slam kitti --sequence 00 --out out/00 --view       watch it: a page on http://127.0.0.1:8080/, for this machine alone
 
 Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
 trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
-loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them.)";
+loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them; with
+--view the page is there while the run goes on.)";
+
+// --view without a port.
+constexpr const char* kAnyViewPort = "auto";
 
 struct SlamOptions {
   DatasetArguments dataset;
   std::string out, sequence, weights, classes, masks, save_map, load_map;
   std::string images = "auto", filter = "adaptive", loops = "on";
   std::string segmentation = "keyframes", moving = "geometry", movers = "on";
+  std::string view;  // port, or kAnyViewPort; empty: none
   std::optional<double> frame_rate;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false;
@@ -122,6 +122,18 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   return settings;
 }
 
+// The port of --view; none: the first that is free.
+std::optional<int> view_port(const std::string& text) {
+  if (text.empty() || text == kAnyViewPort) return std::nullopt;
+  int port = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, port);
+  if (error != std::errc() || stop != end || port < 0 || port > 65535) {
+    throw UsageError(fmt::format("--view: expected a port from 0 to 65535, found '{}'", text));
+  }
+  return port;
+}
+
 // The map of --load-map; nothing where none is asked for.
 std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::StereoCamera& camera) {
   if (options.load_map.empty()) return nullptr;
@@ -132,7 +144,7 @@ std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::Ster
 
 // Runs until the end, Ctrl-C or the first frame that cannot be read; returns what stopped it, empty at the
 // end.
-std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam) {
+std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam, LiveView* view) {
   const InterruptGuard guard;
   slam::Prefetcher frames(dataset);
   ProgressBar progress("Tracking", dataset.size());
@@ -140,7 +152,9 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
   while (frames.has_next()) {
     if (interrupted) return fmt::format("interrupted after {} frames", slam.results().size());
     try {
-      const slam::FrameResult result = slam.process(frames.next());
+      const slam::StereoImages images = frames.next();
+      const slam::FrameResult result = slam.process(images);
+      if (view != nullptr) view->add(result, images.left);
       if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
       progress.update(static_cast<int>(slam.results().size()));
       const std::vector<slam::ClosedLoop> loops = slam.loops();
@@ -157,97 +171,8 @@ std::string process_frames(const slam::StereoDataset& dataset, slam::Slam& slam)
   return {};
 }
 
-// Poses of the frames that were located.
-slam::Trajectory located(const slam::Slam& slam) {
-  slam::Trajectory all = slam.trajectory(), located;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (slam.results()[i].tracking.state == slam::TrackingState::tracking) located.push_back(all[i]);
-  }
-  return located;
-}
-
-// Ground truth and estimate of the frames that have both, the ground truth moved so that it starts where the
-// estimate starts.
-slam::TrajectoryPair pair_with_ground_truth(const slam::StereoDataset& dataset,
-                                            const slam::Trajectory& estimate) {
-  slam::TrajectoryPair pair;
-  if (!dataset.ground_truth()) return pair;
-  std::size_t at = 0;
-  for (const slam::TimedPose& pose : *dataset.ground_truth()) {  // with the frames' own times
-    while (at < estimate.size() && estimate[at].timestamp < pose.timestamp) ++at;
-    if (at == estimate.size()) break;
-    if (estimate[at].timestamp != pose.timestamp) continue;
-    pair.reference.push_back(pose);
-    pair.estimate.push_back(estimate[at]);
-  }
-  if (pair.reference.empty()) return pair;
-  const slam::SE3 moved = pair.estimate.front().T_wc * pair.reference.front().T_wc.inverse();
-  for (slam::TimedPose& pose : pair.reference) pose.T_wc = moved * pose.T_wc;
-  return pair;
-}
-
-std::optional<slam::Evaluation> evaluate(const slam::TrajectoryPair& pair) {
-  if (pair.reference.size() < 2) return std::nullopt;
-  slam::EvaluationOptions options;
-  // Short pieces have no segment of a hundred metres.
-  if (slam::path_length(pair.reference) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
-  return slam::evaluate_trajectory(pair.reference, pair.estimate, options);
-}
-
-// Pieces of the map that nothing ties to the first stand where they were guessed.
-void warn_of_pieces(const slam::Slam& slam) {
-  const std::vector<slam::SubmapSummary> submaps = slam.submaps();
-  for (std::size_t i = 1; i < submaps.size(); ++i) {
-    if (submaps[i].frames == 0) continue;  // of a map that was loaded
-    spdlog::warn(
-        "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
-        "frames are right relative to each other, where they are is a guess",
-        submaps[i].first_frame, submaps[i].last_frame, submaps[i].frames);
-  }
-}
-
-void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
-                   const slam::Slam& slam, SlamRun& run) {
-  const slam::Trajectory estimate = located(slam);
-  const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
-  const slam::Trajectory& truth = pair.reference;
-  run.evaluation = evaluate(pair);
-  if (!slam.results().empty()) {
-    slam::write_kitti_poses(out / "trajectory_kitti.txt", slam.trajectory());
-    slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
-    slam::write_tum_trajectory(out / "keyframes_tum.txt", slam.keyframe_trajectory());
-    if (!truth.empty()) slam::write_tum_trajectory(out / "ground_truth_tum.txt", truth);
-  }
-  if (!estimate.empty()) {
-    slam::TrajectoryPlotOptions plot;
-    plot.title = dataset.name();
-    nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
-  }
-  slam::write_ply(out / "map.ply", slam.map());
-  write_keyframe_gallery(out / "gallery", dataset, slam);
-  nn::write_file(out / "frames.json", frames_report(slam).dump() + "\n");
-  nn::write_file(out / "run.json", to_text(slam_report(run, slam)));
-}
-
-void print_summary(const nlohmann::json& report, const std::filesystem::path& out) {
-  fmt::print("{}: {} frames, {} tracked, {} lost, {} keyframes, {} map points, {:.1f} ms a frame (median)\n",
-             report["dataset"].get<std::string>(), report["frames"].get<int>(), report["tracked"].get<int>(),
-             report["lost"].get<int>(), report["keyframes"].get<int>(), report["map_points"].get<int>(),
-             report.value("median_ms", 0.0));
-  if (report.contains("ground_truth")) {
-    const nlohmann::json& truth = report["ground_truth"];
-    fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse", truth["path_m"].get<double>(),
-               truth["ape_rmse_m"].get<double>());
-    if (truth.contains("t_rel_percent")) {
-      fmt::print(", drift {:.2f} % and {:.2f} deg/100 m", truth["t_rel_percent"].get<double>(),
-                 truth["r_rel_deg_per_100m"].get<double>());
-    }
-    fmt::print("\n");
-  }
-  fmt::print("results in {}\n", out.string());
-}
-
 void run_slam(const SlamOptions& options) {
+  const std::optional<int> port = view_port(options.view);
   SlamRun run;
   run.settings = make_settings(options);
   run.deterministic = options.deterministic;
@@ -277,8 +202,13 @@ void run_slam(const SlamOptions& options) {
   omp_set_num_threads(run.settings.threads);
   cv::setNumThreads(1);  // the frames' two images are the parallel work
   slam::Slam slam(dataset->camera(), run.settings, segmenter, std::move(map));
+  std::optional<LiveView> view;
+  if (!options.view.empty()) {
+    view.emplace(port, run, dataset->size(), slam);
+    spdlog::info("watch it on {}", view->address());
+  }
   const double cpu_before = process_usage().cpu_seconds;
-  run.error = process_frames(*dataset, slam);
+  run.error = process_frames(*dataset, slam, view ? &*view : nullptr);
   slam.finish();
   const ProcessUsage usage = process_usage();
   run.cpu_seconds = usage.cpu_seconds - cpu_before;
@@ -288,6 +218,7 @@ void run_slam(const SlamOptions& options) {
   write_results(out, *dataset, slam, run);
   if (!options.save_map.empty()) slam::write_map(options.save_map, dataset->camera(), slam.map());
   print_summary(slam_report(run, slam), out);
+  if (view && !slam.results().empty()) view->finish(out);
   if (!run.error.empty()) throw Error(run.error);
 }
 
@@ -369,6 +300,10 @@ void add_slam_command(CLI::App& app) {
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");
+  command->add_flag(std::string("--view{") + kAnyViewPort + "}", options->view,
+                    "show the run in a browser on this machine while it goes on, --view=PORT on a port of "
+                    "its own (default: "
+                    "the first free one from 8080)");
   command->callback([options] { run_slam(*options); });
 }
 

@@ -112,6 +112,17 @@ nlohmann::json covisibility_json(const slam::Slam& slam) {
 
 }  // namespace
 
+nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,
+                             const slam::LoopCloserSettings& settings) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::ClosedLoop& loop : loops) {
+    // A piece that was merged soon after the way was lost is no loop.
+    const bool is_revisit = loop.frame - loop.earlier_frame >= settings.fewest_frames_apart;
+    if (is_revisit && !loop.of_loaded_map) json.push_back({loop.frame, loop.earlier_frame});
+  }
+  return json;
+}
+
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   int filter_kept = 0, filter_removed = 0, movable_features = 0;
   std::vector<int> lost_frames, occluded_frames;
@@ -159,12 +170,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["mismatch_filter"] = {{"kept", filter_kept}, {"removed", filter_removed}};
   if (run.evaluation) json["ground_truth"] = ground_truth_json(*run.evaluation);
   const std::vector<slam::ClosedLoop> loops = slam.loops();
-  json["loops"] = nlohmann::json::array();
-  for (const slam::ClosedLoop& loop : loops) {
-    // A piece that was merged soon after the way was lost is no loop.
-    const bool is_revisit = loop.frame - loop.earlier_frame >= run.settings.loops.fewest_frames_apart;
-    if (is_revisit && !loop.of_loaded_map) json["loops"].push_back({loop.frame, loop.earlier_frame});
-  }
+  json["loops"] = revisits_json(loops, run.settings.loops);
   json["loop_closures"] = loop_closures_json(loops);
   json["submaps"] = submaps_json(slam.submaps());
   json["keyframe_frames"] = keyframe_frames;

@@ -32,6 +32,10 @@ struct SlamRun {
 // keyframes see).
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam);
 
+// The loops in which this run came to a place of its own again: pairs of frames, the later first.
+nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,
+                             const slam::LoopCloserSettings& settings);
+
 // The report as text: an entry a line, objects over several.
 std::string to_text(const nlohmann::json& report);
 

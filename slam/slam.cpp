@@ -190,8 +190,10 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   if (is_segmented(is_telling) && !image.empty()) segmentation_.submit(index, image);
   if (work) worker_.submit(std::move(*work));
 
+  result.T_wc = frame.T_cw.inverse();
   entries_.push_back({frame.timestamp, frame.reference, frame.T_c_reference});
   results_.push_back(result);
+  newest_ = std::move(frame);
   return result;
 }
 
@@ -294,6 +296,12 @@ void Slam::finish() {
   worker_.finish();
   timer_.merge(worker_.take_times());
   timer_.merge(segmentation_.take_times());
+}
+
+FrameView Slam::newest_view() const {
+  if (newest_.features == nullptr) return {};
+  const std::shared_lock lock(map_.mutex());  // for which features are on what moves
+  return frame_view(*newest_.features, newest_.points, instances_.sightings());
 }
 
 std::vector<ClosedLoop> Slam::loops() const {

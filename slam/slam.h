@@ -22,6 +22,7 @@
 #include "slam/datasets/stereo_dataset.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/features/stereo_order.h"
+#include "slam/frame_view.h"
 #include "slam/loop/loop_closer.h"
 #include "slam/mapping/map_worker.h"
 #include "slam/semantics/instance_tracker.h"
@@ -61,6 +62,7 @@ struct SlamSettings {
 struct FrameResult {
   int index = 0;
   TrackingReport tracking;
+  SE3 T_wc;  // where it was located, or predicted; the map may move it later (Slam::trajectory)
   bool keyframe = false;
   int features = 0, stereo_features = 0;
   int movable_features = 0;    // on what is known or taken to move
@@ -106,7 +108,10 @@ class Slam {
   std::vector<ClosedLoop> loops() const;
   // The pieces of the map, in the order of their numbers.
   std::vector<SubmapSummary> submaps() const;
-  // After finish() only, the worker's part in them being his until then.
+  // What the newest frame showed. The thread that calls process() may ask.
+  FrameView newest_view() const;
+  // After finish() only, the worker's part in them being his until then; but the map may be read before by
+  // who holds its mutex shared.
   const Map& map() const { return map_; }
   const PlaceIndex& index() const { return index_; }
   const LoopCloser& loop_closer() const { return loop_closer_; }
@@ -149,6 +154,7 @@ class Slam {
   Tracker tracker_;
   std::vector<TrajectoryEntry> entries_;
   std::vector<FrameResult> results_;
+  Frame newest_;
   InstanceTracker instances_;
   std::map<int, std::vector<InstanceSighting>> sightings_;  // of keyframes
   // The last: their threads use the others.

@@ -1,6 +1,6 @@
-// Draws the report from the JSON in #data. Every section marks itself with data-drawn once it shows something.
+// Draws a run of `penumbra slam`: the report from the JSON in #data, or what live.js fetches. Every section marks
+// itself with data-drawn once it shows something; each may be drawn again with newer data.
 'use strict';
-const data = JSON.parse(document.getElementById('data').textContent);
 const css = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
 const element = id => document.getElementById(id);
 const fixed = (value, digits) => Number(value).toFixed(digits);
@@ -13,7 +13,20 @@ function complain(text) {
   box.textContent = problems.join('; ');
 }
 
-function summary() {
+function show_section(id, shown) { element(id).hidden = !shown; }
+
+function show_tiles(id, tiles) {
+  element(id).replaceChildren(...tiles.map(([value, name]) => {
+    const tile = document.createElement('div');
+    tile.className = 'tile';
+    tile.innerHTML = '<b></b><span></span>';
+    tile.children[0].textContent = value;
+    tile.children[1].textContent = name;
+    return tile;
+  }));
+}
+
+function summary(data) {
   const run = data.run, truth = run.ground_truth;
   element('headline').textContent = `${run.frames} frames, ${run.tracked} located, ${run.keyframes} keyframes, ` +
       `${run.map_points} map points`;
@@ -29,14 +42,8 @@ function summary() {
                  [fixed(truth.r_rel_deg_per_100m, 2) + '°', 'rotation drift per 100 m']);
     }
   }
-  for (const [value, name] of tiles) {
-    const tile = document.createElement('div');
-    tile.className = 'tile';
-    tile.innerHTML = '<b></b><span></span>';
-    tile.children[0].textContent = value;
-    tile.children[1].textContent = name;
-    element('tiles').append(tile);
-  }
+  show_tiles('tiles', tiles);
+  show_section('summary', true);
   element('summary').dataset.drawn = tiles.length;
 }
 
@@ -76,7 +83,7 @@ function axes(canvas, x_range, y_range, x_name, y_name) {
 
 const largest = values => values.reduce((a, b) => Math.max(a, b), 0);
 
-function path_from_above() {
+function path_from_above(data) {
   const canvas = element('top'), all = data.estimate.concat(data.truth);
   const range = k => [Math.min(...all.map(p => p[k])), Math.max(...all.map(p => p[k]))];
   let [x0, x1] = range(0), [z0, z1] = range(2);
@@ -118,6 +125,7 @@ function curve(id, values, y_name, colour) {
 }
 
 function table(id, rows) {
+  element(id).querySelectorAll('tr').forEach(row => row.remove());
   for (const cells of rows) {
     const row = element(id).insertRow();
     for (const cell of cells) {
@@ -127,7 +135,7 @@ function table(id, rows) {
   }
 }
 
-function times() {
+function times(data) {
   curve('time', data.frames.ms, 'milliseconds', css('estimate'));
   const stages = Object.entries(data.run.stages || {}).sort((a, b) => b[1] - a[1]);
   table('stages', stages.map(([name, ms]) => {
@@ -137,10 +145,11 @@ function times() {
   }));
 }
 
-function filter() {
+function filter(data) {
   const slider = element('filter-frame'), frames = data.frames.filter;
   const usable = frames.map((f, i) => i).filter(i => frames[i] && frames[i].kept.length);
-  if (!usable.length) { element('filter-section').hidden = true; return; }
+  show_section('filter-section', usable.length > 0);
+  if (!usable.length) return;
   slider.max = usable.length - 1;
   const show = () => {
     const number = usable[slider.value], {from, width, kept, removed} = frames[number];
@@ -161,8 +170,9 @@ function filter() {
   show();
 }
 
-function gallery() {
-  if (!data.gallery.length) { element('gallery-section').hidden = true; return; }
+function gallery(data) {
+  show_section('gallery-section', data.gallery.length > 0);
+  if (!data.gallery.length) return;
   for (const {name, image} of data.gallery) {
     const figure = document.createElement('figure'), picture = document.createElement('img');
     picture.src = 'data:image/jpeg;base64,' + image;
@@ -179,7 +189,10 @@ function gallery() {
 const bytes_of = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
 
 // The camera looks along +z with y down; on the screen y goes up, so y and z change sign.
-function path_in_space() {
+const on_screen = p => new THREE.Vector3(p[0], -p[1], -p[2]);
+
+// An empty scene with its camera; null where the browser has no WebGL.
+function make_space() {
   const box = element('space');
   let renderer;
   try {
@@ -187,61 +200,95 @@ function path_in_space() {
   } catch (error) {
     box.innerHTML = '<p>This browser shows no WebGL; the path from above is the same data.</p>';
     box.dataset.drawn = 'none';
-    return;
+    return null;
   }
   renderer.setSize(box.clientWidth, box.clientHeight, false);
   box.append(renderer.domElement);
-  const scene = new THREE.Scene();
+  const scene = new THREE.Scene(), lines = new THREE.Group();
   scene.background = new THREE.Color(0x10151c);
+  const cloud = new THREE.Points(new THREE.BufferGeometry(),
+      new THREE.PointsMaterial({size: 2, sizeAttenuation: false, vertexColors: THREE.VertexColors}));
+  cloud.frustumCulled = false;
+  scene.add(cloud, lines);
   const camera = new THREE.PerspectiveCamera(55, box.clientWidth / box.clientHeight, 0.1, 20000);
-  const positions = new Float32Array(bytes_of(data.points.position).buffer), colours = bytes_of(data.points.colour);
-  const cloud = new THREE.BufferGeometry();
-  const turned = positions.map((v, i) => i % 3 ? -v : v);
-  cloud.setAttribute('position', new THREE.BufferAttribute(turned, 3));
-  cloud.setAttribute('color', new THREE.BufferAttribute(colours, 3, true));
-  scene.add(new THREE.Points(cloud, new THREE.PointsMaterial({size: 2, sizeAttenuation: false, vertexColors: THREE.VertexColors})));
-  const vector = p => new THREE.Vector3(p[0], -p[1], -p[2]);
-  const line = (points, colour) => scene.add(new THREE.Line(
-      new THREE.BufferGeometry().setFromPoints(points.map(vector)), new THREE.LineBasicMaterial({color: colour})));
+  const controls = new THREE.OrbitControls(camera, renderer.domElement);
+  const space = {box, lines, cloud, camera, controls, points: null, turned: false};
+  space.draw = () => renderer.render(scene, camera);
+  controls.addEventListener('start', () => { space.turned = true; });
+  controls.addEventListener('change', space.draw);
+  window.addEventListener('resize', () => {
+    camera.aspect = box.clientWidth / box.clientHeight;
+    camera.updateProjectionMatrix();
+    renderer.setSize(box.clientWidth, box.clientHeight, false);
+    space.draw();
+  });
+  return space;
+}
+
+let space;
+function path_in_space(data) {
+  if (space === undefined) space = make_space();
+  if (space === null) return;
+  if (space.points !== data.points) {
+    space.points = data.points;
+    const positions = new Float32Array(bytes_of(data.points.position).buffer);
+    space.cloud.geometry.dispose();
+    space.cloud.geometry = new THREE.BufferGeometry();
+    space.cloud.geometry.setAttribute('position', new THREE.BufferAttribute(positions.map((v, i) => i % 3 ? -v : v), 3));
+    space.cloud.geometry.setAttribute('color', new THREE.BufferAttribute(bytes_of(data.points.colour), 3, true));
+    space.box.dataset.drawn = positions.length / 3;
+  }
+  for (const old of [...space.lines.children]) {
+    space.lines.remove(old);
+    old.geometry.dispose();
+    old.material.dispose();
+  }
+  const line = (points, colour) => space.lines.add(new THREE.Line(
+      new THREE.BufferGeometry().setFromPoints(points.map(on_screen)), new THREE.LineBasicMaterial({color: colour})));
   if (data.truth.length) line(data.truth, 0xd0d6dd);
   line(data.estimate, 0x4aa3ff);
   for (const [a, b] of data.loops) {
     if (data.estimate[a] && data.estimate[b]) line([data.estimate[a], data.estimate[b]], 0xc77dff);
   }
-  const bounds = new THREE.Box3().setFromPoints(data.estimate.map(vector));
-  const middle = bounds.getCenter(new THREE.Vector3()), size = Math.max(10, bounds.getSize(new THREE.Vector3()).length());
-  const controls = new THREE.OrbitControls(camera, renderer.domElement);
-  controls.target.copy(middle);
-  camera.position.set(middle.x, middle.y + 0.7 * size, middle.z + 0.7 * size);
-  const draw = () => renderer.render(scene, camera);
-  controls.addEventListener('change', draw);
-  window.addEventListener('resize', () => {
-    camera.aspect = box.clientWidth / box.clientHeight;
-    camera.updateProjectionMatrix();
-    renderer.setSize(box.clientWidth, box.clientHeight, false);
-    draw();
-  });
-  controls.update();
-  draw();
-  box.dataset.drawn = positions.length / 3;
+  if (!space.turned) {  // until somebody takes it
+    const bounds = new THREE.Box3().setFromPoints(data.estimate.map(on_screen));
+    const middle = bounds.getCenter(new THREE.Vector3()), size = Math.max(10, bounds.getSize(new THREE.Vector3()).length());
+    space.controls.target.copy(middle);
+    space.camera.position.set(middle.x, middle.y + 0.7 * size, middle.z + 0.7 * size);
+    space.controls.update();
+  }
+  space.draw();
 }
 
-summary();
-path_from_above();
-if (data.error.length) curve('error', data.error, 'metres', css('lost')); else element('error-section').hidden = true;
-times();
-filter();
-gallery();
-element('command').textContent = data.run.command || '';
-table('settings', Object.entries(data.run.settings || {}).map(([k, v]) => [k.replaceAll('_', ' '), JSON.stringify(v)]));
-path_in_space();
 // A picture of one colour shows nothing.
-for (const canvas of document.querySelectorAll('canvas')) {
-  if (canvas.closest('section').hidden) continue;
+function is_empty(canvas) {
   const copy = document.createElement('canvas');
   copy.width = canvas.width; copy.height = canvas.height;
   copy.getContext('2d').drawImage(canvas, 0, 0);
   const pixels = new Uint32Array(copy.getContext('2d').getImageData(0, 0, copy.width, copy.height).data.buffer);
-  if (pixels.every(p => p === pixels[0])) complain(`The picture ${canvas.id || 'in space'} is empty`);
+  return pixels.every(p => p === pixels[0]);
 }
-document.body.dataset.ready = problems.length ? 'with problems' : 'yes';
+function check_pictures() {
+  for (const canvas of document.querySelectorAll('canvas')) {
+    if (!canvas.closest('section').hidden && is_empty(canvas)) complain(`The picture ${canvas.id || 'in space'} is empty`);
+  }
+}
+
+function show_report(data) {
+  summary(data);
+  path_from_above(data);
+  show_section('error-section', data.error.length > 0);
+  if (data.error.length) curve('error', data.error, 'metres', css('lost'));
+  times(data);
+  filter(data);
+  gallery(data);
+  element('command').textContent = data.run.command || '';
+  table('settings', Object.entries(data.run.settings || {}).map(([k, v]) => [k.replaceAll('_', ' '), JSON.stringify(v)]));
+  show_section('settings-section', true);
+  path_in_space(data);
+  check_pictures();
+  document.body.dataset.ready = problems.length ? 'with problems' : 'yes';
+}
+
+const finished_run = JSON.parse(element('data').textContent);
+if (finished_run) show_report(finished_run);

@@ -21,31 +21,38 @@ constexpr std::string_view kEnd =
     "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
 constexpr std::size_t kVertexBytes = 3 * sizeof(float) + 3;
 
-void append_vertex(std::string& bytes, const Eigen::Vector3d& position, std::array<std::uint8_t, 3> bgr) {
+PlyVertex vertex(const Eigen::Vector3d& position, std::array<std::uint8_t, 3> bgr) {
   const Eigen::Vector3f p = position.cast<float>();
-  bytes.append(reinterpret_cast<const char*>(p.data()), 3 * sizeof(float));
-  for (const std::size_t channel : {2U, 1U, 0U}) bytes.push_back(static_cast<char>(bgr[channel]));
+  return {{p.x(), p.y(), p.z()}, {bgr[2], bgr[1], bgr[0]}};
 }
 
 }  // namespace
 
-void write_ply(const std::filesystem::path& path, const Map& map) {
-  std::string vertices;
-  std::size_t count = 0;
+std::vector<PlyVertex> vertices_of(const Map& map) {
+  std::vector<PlyVertex> vertices;
+  vertices.reserve(map.points().size() + map.keyframes().size());
   for (const auto& point : map.points()) {
-    if (point->erased) continue;
-    append_vertex(vertices, point->position, point->colour);
-    ++count;
+    if (!point->erased) vertices.push_back(vertex(point->position, point->colour));
   }
   for (const KeyFrame* keyframe : map.keyframes()) {
-    append_vertex(vertices, keyframe->T_cw.inverse().translation, {0, 0, 255});
-    ++count;
+    vertices.push_back(vertex(keyframe->T_cw.inverse().translation, {0, 0, 255}));
+  }
+  return vertices;
+}
+
+void write_ply(const std::filesystem::path& path, const Map& map) {
+  const std::vector<PlyVertex> vertices = vertices_of(map);
+  std::string body;
+  body.reserve(kVertexBytes * vertices.size());
+  for (const PlyVertex& v : vertices) {
+    body.append(reinterpret_cast<const char*>(v.position.data()), 3 * sizeof(float));
+    body.append(reinterpret_cast<const char*>(v.colour.data()), 3);
   }
   const std::string header =
       fmt::format("{}comment Penumbra map: points, then {} keyframe positions in red\n{}{}\n{}", kBegin,
-                  map.keyframes().size(), kCount, count, kEnd);
+                  map.keyframes().size(), kCount, vertices.size(), kEnd);
 
-  nn::write_file(path, header + vertices);
+  nn::write_file(path, header + body);
 }
 
 std::vector<PlyVertex> read_ply(const std::filesystem::path& path) {

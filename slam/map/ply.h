@@ -20,6 +20,9 @@ struct PlyVertex {
   std::array<std::uint8_t, 3> colour;  // red, green, blue
 };
 
+// What write_ply writes of a map, whose mutex the caller holds shared where others may change it.
+std::vector<PlyVertex> vertices_of(const Map& map);
+
 // The vertices of a file that write_ply wrote. Throws InputError for any other, or a torn one.
 std::vector<PlyVertex> read_ply(const std::filesystem::path& path);
 

@@ -1,33 +1,15 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/browser.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra {
 namespace {
-
-// Runs `command` and returns what it prints; empty where it fails.
-std::string output_of(const std::string& command) {
-  std::string text;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return text;
-  char buffer[4096];
-  for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) text.append(buffer, n);
-  return pclose(pipe) == 0 ? text : "";
-}
-
-std::string find_browser() {
-  for (const char* name : {"chromium-headless-shell", "chromium", "google-chrome"}) {
-    const std::string path = output_of(fmt::format("command -v {}", name));
-    if (!path.empty()) return path.substr(0, path.find('\n'));
-  }
-  return {};
-}
 
 // The JSON in the page's `data` element.
 nlohmann::json data_of(const std::string& page) {
@@ -86,27 +68,20 @@ TEST_F(Report, NeedsNoNetwork) {
 }
 
 TEST_F(Report, LoadsInABrowserAndDrawsEverything) {
-  const std::string browser = find_browser();
-  if (browser.empty()) GTEST_SKIP() << "no Chromium: apt-get install chromium-headless-shell";
+  const std::string browser = test::find_browser();
+  if (browser.empty()) GTEST_SKIP() << test::kNoBrowser;
   nlohmann::json json = nlohmann::json::parse(test::read_file(run / "run.json"));
   json["loops"] = {{0, 11}};
   write(run / "run.json", json.dump());
   ASSERT_EQ(report().exit_code, 0);
-  const std::string dom = output_of(fmt::format(
-      "timeout 100 '{}' --headless --no-sandbox --enable-unsafe-swiftshader --virtual-time-budget=10000 "
-      "--dump-dom 'file://{}' 2>/dev/null",
-      browser, (run / "report.html").string()));
+  const std::string dom = test::dump_dom(browser, "file://" + (run / "report.html").string());
   ASSERT_FALSE(dom.empty()) << browser << " did not show the page";
   EXPECT_NE(dom.find("data-ready=\"yes\""), std::string::npos) << "the page had problems";
   for (const char* part : {"id=\"summary\" data-drawn=", "id=\"gallery\" data-drawn="}) {
     EXPECT_NE(dom.find(part), std::string::npos) << part;
   }
-  const auto drawn = [&](const std::string& id) {
-    const std::size_t at = dom.find("id=\"" + id + "\"");
-    const std::string tag = dom.substr(at, dom.find('>', at) - at);
-    return tag.find("data-drawn=\"") != std::string::npos;
-  };
-  for (const char* id : {"top", "space", "error", "time", "filter"}) EXPECT_TRUE(drawn(id)) << id;
+  for (const char* id : {"top", "space", "error", "time", "filter"})
+    EXPECT_TRUE(test::is_drawn(dom, id)) << id;
   EXPECT_NE(dom.find(fmt::format("{} map points", json["map_points"].get<int>())), std::string::npos);
 }
 

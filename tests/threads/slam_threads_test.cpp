@@ -1,7 +1,12 @@
 // The SLAM with mapping beside the tracker. Also run under ThreadSanitizer: see CONTRIBUTING.md.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <shared_mutex>
+#include <thread>
+
 #include "slam/datasets/synthetic/street_sequence.h"
+#include "slam/map/ply.h"
 #include "slam/slam.h"
 #include "tests/slam/feature_world.h"
 
@@ -101,6 +106,27 @@ TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
   slam.finish();
   EXPECT_EQ(slam.trajectory().size(), images.size());
   EXPECT_FALSE(slam.instances().empty());
+}
+
+// As `penumbra slam --view` does.
+TEST_F(SlamThreads, ShowTheMapToWhoLooksOn) {
+  Slam slam(camera, settings);
+  std::atomic<bool> done{false};
+  std::size_t most = 0;
+  std::thread watcher([&] {
+    while (!done) {
+      const std::shared_lock lock(slam.map().mutex());
+      most = std::max(most, vertices_of(slam.map()).size());
+    }
+  });
+  for (const StereoImages& pair : images) {
+    const FrameResult result = slam.process(pair);
+    EXPECT_EQ(slam.newest_view().features.size(), static_cast<std::size_t>(result.features));
+  }
+  slam.finish();
+  done = true;
+  watcher.join();
+  EXPECT_GT(most, 0U);
 }
 
 // Seventy frames round a ring: a loop is closed, and the whole map adjusted, while the tracker goes on.
