@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kPendingImages = 24;
 
 void write_png(const fs::path& path, const cv::Mat& image) {
-  // OpenCV's own setting (one filter, runs of equal bytes) is its fastest, and for noisy images as small as any.
+  // OpenCV's own setting (one filter, runs of equal bytes) is its fastest, and for noisy images as small as
+  // any.
   bool written = false;
   try {
     written = cv::imwrite(path.string(), image);
