@@ -1,10 +1,10 @@
 #include "slam/datasets/synthetic/sequence_files.h"
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "nn/base/error.h"
 #include "nn/io/file.h"
+#include "nn/io/image_file.h"
 
 namespace penumbra::slam::synthetic {
 
@@ -13,17 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kPendingImages = 24;
-
-void write_png(const fs::path& path, const cv::Mat& image) {
-  // OpenCV's own setting (one filter, runs of equal bytes) is its fastest, and for noisy images as small as
-  // any.
-  bool written = false;
-  try {
-    written = cv::imwrite(path.string(), image);
-  } catch (const cv::Exception&) {
-  }
-  if (!written) throw Error(fmt::format("{}: cannot write the image", path.string()));
-}
 
 }  // namespace
 
@@ -98,7 +87,7 @@ void ImageWriter::work() {
     lock.unlock();
     std::exception_ptr failure;
     try {
-      write_png(job.path, job.image);
+      nn::write_image(job.path, job.image);
     } catch (...) {
       failure = std::current_exception();
     }
