@@ -68,9 +68,11 @@ std::string fill_page(std::map<std::string_view, std::string> parts) {
 std::string make_report_page(const std::filesystem::path& run_folder, std::size_t most_points) {
   const json data = report_data(run_folder, most_points);
   const json& name = data["run"]["dataset"];
-  return fill_page({{"@TITLE@", escaped(name.is_string() ? name.get<std::string>() : run_folder.string())},
-                    {"@DATA@", script_safe(data)},
-                    {"@MAKER@", "Written by <code>penumbra report</code>"}});
+  return fill_page(
+      {{"@TITLE@", escaped(name.is_string() ? name.get<std::string>() : run_folder.string())},
+       {"@DATA@", script_safe(data)},
+       {"@MAKER@",
+        "Written by <code>penumbra report</code>. The page holds all it shows; it needs no network."}});
 }
 
 std::string make_live_page(const std::string& title) {
@@ -78,7 +80,9 @@ std::string make_live_page(const std::string& title) {
                     {"@DATA@", "null"},
                     {"@NOW@", std::string(embedded::live_html())},
                     {"@LIVE@", std::string(embedded::live_js())},
-                    {"@MAKER@", "Served by <code>penumbra slam --view</code>"}});
+                    {"@MAKER@",
+                     "Served by <code>penumbra slam --view</code> on this machine. When the run has ended "
+                     "the page needs it no more."}});
 }
 
 }  // namespace penumbra::apps

@@ -66,7 +66,7 @@ async function follow() {
   setTimeout(follow, between_polls);
 }
 
-for (const id of ['summary', 'error-section', 'filter-section', 'gallery-section', 'settings-section']) show_section(id, false);
+for (const id of ['summary', 'error-section', 'filter-section', 'gallery-section', 'settings-section', 'stages']) show_section(id, false);
 const legend = element('feature-legend').cloneNode(true);
 legend.id = 'picture-legend';
 element('picture-holder').append(legend);

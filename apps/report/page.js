@@ -138,6 +138,7 @@ function table(id, rows) {
 function times(data) {
   curve('time', data.frames.ms, 'milliseconds', css('estimate'));
   const stages = Object.entries(data.run.stages || {}).sort((a, b) => b[1] - a[1]);
+  show_section('stages', stages.length > 0);
   table('stages', stages.map(([name, ms]) => {
     const bar = document.createElement('i');
     bar.style.width = 100 * ms / (stages[0][1] || 1) + '%';
