@@ -5,7 +5,7 @@
 //
 // A pose with which less than two fifths of the pairs, or map points, of the frame before agree is not clear:
 // one from descriptors alone and one from the place index are tried as well, and what most map points agree
-// with is taken. Only such frames pay for it, with up to four searches of the local map.
+// with is taken. Only such frames pay for it, with up to five searches of the local map.
 //
 // A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it in the
 // whole map (recognition.h). If that fails for several frames in a row although they show enough, a new
