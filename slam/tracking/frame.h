@@ -12,6 +12,14 @@
 
 namespace penumbra::slam {
 
+// A point that a frame shows and that is in no map yet: the frame before has measured it.
+struct LoosePoint {
+  int feature = 0;                                     // of the frame
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // world
+  const Patch* patch = nullptr;                        // of the frame before
+  double patch_depth = 0.0;                            // metres
+};
+
 struct Frame {
   int index = 0;                            // in the sequence
   double timestamp = 0.0;                   // seconds

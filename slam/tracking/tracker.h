@@ -5,7 +5,7 @@
 //
 // A pose with which less than two fifths of the pairs, or map points, of the frame before agree is not clear:
 // one from descriptors alone and one from the place index are tried as well, and what most map points agree
-// with is taken. Only such frames pay for it, with up to five searches of the local map.
+// with is taken. Only such frames pay for it, with up to three searches of the local map.
 //
 // A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it in the
 // whole map (recognition.h). If that fails for several frames in a row although they show enough, a new
@@ -25,6 +25,7 @@
 #include "slam/map/map.h"
 #include "slam/tracking/frame.h"
 #include "slam/tracking/keyframe_choice.h"
+#include "slam/tracking/last_frame.h"
 #include "slam/tracking/motion_model.h"
 #include "slam/tracking/pose_optimizer.h"
 #include "slam/tracking/recognition.h"
@@ -88,6 +89,7 @@ class Tracker {
         settings_(settings),
         timer_(timer),
         first_own_keyframe_(map.next_keyframe_id()),
+        last_(camera, map.scales()),
         sharpness_(settings.least_sharpness) {}
 
   // Locates `frame` (its features are given): fills pose, points and reference.
@@ -103,21 +105,22 @@ class Tracker {
  private:
   struct Located {
     bool success = false;
-    int inliers = 0;
+    int pairs = 0;         // with the last frame that agree
+    int inliers = 0;       // map points that agree; off the map: pairs
     bool off_map = false;  // by the last frame alone: the map does not reach here yet
     bool clear = true;     // false: another pose may have more inliers
   };
-  // A pair with the last frame that agrees with its pose but shows no map point (a far one, mostly).
-  struct Unmapped {
-    int feature, last_feature;
-    Eigen::Vector3d point;  // world
-  };
-  // Where a frame is by the match to the last frame.
-  struct Step {
+  // What an attempt to locate the frame has made of it, to go back to.
+  struct Attempt {
+    Located located;
     SE3 T_cw;
-    std::vector<MapPoint*> points;  // as Frame::points
-    int inliers = 0;
-    std::vector<Unmapped> unmapped;
+    std::vector<MapPoint*> points;  // as Frame's
+    std::vector<char> aligned;
+    std::vector<Keypoint> keypoints;
+    std::vector<float> right_columns;
+    std::vector<LoosePoint> loose;  // as the members
+    std::vector<MapPoint*> looked_for;
+    KeyFrame* reference = nullptr;
   };
 
   SE3 predicted(double time) const {
@@ -129,23 +132,20 @@ class Tracker {
   bool shows_enough(const Frame& frame) const;
   bool start(Frame& frame);
   void remember(Frame& frame);
-  void refresh_last_frame();
+  void refresh_map();
   Located locate_by_prediction(Frame& frame, const SE3& predicted, TrackingReport& report);
   Located locate_by_turning(Frame& frame, const SE3& start, TrackingReport& report);
-  std::optional<Eigen::Vector3d> last_point(int i) const;
-  std::optional<SE3> pose_from_last_frame(const Frame& frame) const;
+  std::optional<SE3> pose_from_descriptors(const Frame& frame) const;
+  Located locate_around(Frame& frame, const SE3& start, bool may_leave_map, TrackingReport& report);
   Located locate_from_last_frame(Frame& frame, float radius, TrackingReport& report);
+  Located locate_in_local_map(Frame& frame);
+  Located recognise(Frame& frame);
   std::vector<KeyFrame*> keyframes_near() const;
   bool is_clear(int inliers, int before) const;
-  Step step_around(Frame& frame, const SE3& start, TrackingReport& report);
-  void take_step(Frame& frame, const Step& step);
-  Located recognise(Frame& frame);
-  Located locate_in_local_map(Frame& frame);
-  void match_local_points(Frame& frame, const std::vector<MapPoint*>& points) const;
-  std::vector<PoseObservation> refine_observations(Frame& frame) const;
-  int keep_agreeing(Frame& frame, std::span<const PoseObservation> observations,
-                    const PoseEstimate& estimate) const;
-  std::vector<Projection> project_last_frame(const SE3& T_cw) const;
+  void forget_attempt(Frame& frame);
+  Attempt attempt(const Frame& frame, const Located& located) const;
+  void take(const Attempt& attempt, Frame& frame);
+  void count_sightings(const Frame& frame);
   std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
                                     TrackingReport& report) const;
   PoseEstimate leave_out_mover(Frame& frame, std::span<const PoseObservation> observations,
@@ -162,17 +162,17 @@ class Tracker {
   const int first_own_keyframe_;  // id; older ones are of a map that was loaded
 
   TrackingState state_ = TrackingState::initialising;
-  Frame last_;                              // the last frame that was located
-  SE3 previous_T_cw_;                       // of the frame before this one, located or predicted
-  double previous_time_ = 0.0;              // seconds
-  std::vector<Unmapped> unmapped_;          // of the frame
-  int step_inliers_ = 0, map_inliers_ = 0;  // of the last frame: pairs with the one before, map points
-  std::vector<Keypoint> corners_;           // where the frame's features were found, before they are aligned
+  LastFrame last_;                   // the last frame that was located
+  SE3 previous_T_cw_;                // of the frame before this one, located or predicted
+  double previous_time_ = 0.0;       // seconds
+  int pairs_ = 0, map_inliers_ = 0;  // of the last frame: with the one before, map points
+  std::vector<Keypoint> corners_;    // where the frame's features were found, before they are aligned
   std::vector<float> right_columns_;
+  std::vector<LoosePoint> loose_;      // that the frame shows
+  std::vector<MapPoint*> looked_for_;  // that the frame should show
   MotionModel motion_;
-  std::optional<PosePrior> prior_;     // of the frame, where its view is covered
-  KeyFrame* reference_ = nullptr;      // the keyframe that shares the most points with the last frame
-  KeyFrame* last_keyframe_ = nullptr;  // what the last frame has become, if it has
+  std::optional<PosePrior> prior_;  // of the frame, where its view is covered
+  KeyFrame* reference_ = nullptr;   // the keyframe that shares the most points with the last frame
   int frames_since_keyframe_ = 0;
   SharpnessTest sharpness_;
   int blurred_candidates_ = 0;  // in a row
