@@ -129,6 +129,11 @@ void add_network_benchmark(CLI::App& bench) {
           "shorter side at the network, pixels [the weights' own, or 800]")
       ->check(CLI::Range(32, 4096));
   command
+      ->add_option_function<int>(
+          "--proposals", [options](int count) { options->config.proposals = count; },
+          "most regions that reach the heads [the weights' own, or 1000]")
+      ->check(CLI::Range(1, 10000));
+  command
       ->add_option_function<std::string>(
           "--precision",
           [options](const std::string& name) {
@@ -140,7 +145,7 @@ void add_network_benchmark(CLI::App& bench) {
   command->footer(
       "Examples:\n"
       "  penumbra bench network --size 1242x375 --detections 100 --json\n"
-      "  penumbra bench network --size 640x480 --min-size 400 --detections 20\n"
+      "  penumbra bench network --size 640x480 --min-size 400 --detections 20 --proposals 200\n"
       "  penumbra bench network --precision bf16\n"
       "  penumbra bench network --weights maskrcnn.safetensors --isa avx2 --threads 1\n");
   command->callback([options] { bench_network(*options); });

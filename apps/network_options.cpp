@@ -26,6 +26,13 @@ void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
                       mask_rcnn.transform.max_size, yolov5.letterbox.size))
       ->check(CLI::Range(32, 8192));
   command
+      ->add_option_function<int>(
+          "--proposals", [&](int count) { mask_rcnn.proposals = count; },
+          fmt::format(
+              "Mask R-CNN: most regions that reach the heads; fewer are faster [the weights' own, or {}]",
+              mask_rcnn.rpn.proposals))
+      ->check(CLI::Range(1, 10000));
+  command
       ->add_option_function<float>(
           "--score-threshold",
           [&](float score) { mask_rcnn.box_head.score_threshold = yolov5.score_threshold = score; },

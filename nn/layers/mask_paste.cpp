@@ -1,10 +1,30 @@
 #include "nn/layers/mask_paste.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "nn/base/linear_sample.h"
 
 namespace penumbra::nn {
+
+namespace {
+
+constexpr int kStrip = 256;  // pixels of a row that are worked on together
+
+// Row `row` of the map with its border of zeros, at the columns.
+void resize_row(std::span<const float> probabilities, int size, int row,
+                std::span<const LinearSample> columns, float* out) {
+  const auto value = [&](int column) {
+    const bool inside = row >= 1 && column >= 1 && row <= size && column <= size;
+    return inside ? probabilities[static_cast<std::size_t>((row - 1) * size + column - 1)] : 0.0F;
+  };
+  for (const LinearSample& column : columns) {
+    *out++ = (1.0F - column.fraction) * value(column.low) + column.fraction * value(column.high);
+  }
+}
+
+}  // namespace
 
 void paste_mask(std::span<const float> probabilities, int size, const Box& box, int image_width,
                 int image_height, float threshold, Mask& mask) {
@@ -24,21 +44,31 @@ void paste_mask(std::span<const float> probabilities, int size, const Box& box, 
 
   const float scale_x = static_cast<float>(padded_size) / static_cast<float>(width);
   const float scale_y = static_cast<float>(padded_size) / static_cast<float>(height);
-  // The map with its border of zeros.
-  const auto value = [&](int row, int column) {
-    const bool inside = row >= 1 && column >= 1 && row <= size && column <= size;
-    return inside ? probabilities[static_cast<std::size_t>((row - 1) * size + column - 1)] : 0.0F;
-  };
-  std::uint8_t* out = mask.bits.data();
-  for (int y = mask.y; y < mask.y + mask.height; ++y) {
-    const LinearSample row = linear_sample(half_pixel(y - y1, scale_y), padded_size);
-    for (int x = mask.x; x < mask.x + mask.width; ++x) {
-      const LinearSample column = linear_sample(half_pixel(x - x1, scale_x), padded_size);
-      const float upper = (1.0F - column.fraction) * value(row.low, column.low) +
-                          column.fraction * value(row.low, column.high);
-      const float lower = (1.0F - column.fraction) * value(row.high, column.low) +
-                          column.fraction * value(row.high, column.high);
-      *out++ = (1.0F - row.fraction) * upper + row.fraction * lower > threshold ? 1 : 0;
+  std::array<LinearSample, kStrip> columns;
+  std::array<float, kStrip> lines[2];  // two rows of the map, resized along x
+  for (int left = 0; left < mask.width; left += kStrip) {
+    const int pixels = std::min(mask.width - left, kStrip);
+    for (int i = 0; i < pixels; ++i) {
+      columns[static_cast<std::size_t>(i)] =
+          linear_sample(half_pixel(mask.x + left + i - x1, scale_x), padded_size);
+    }
+    int held[2] = {-1, -1};  // which rows these are
+    // Row r and r + 1 lie in different lines, so that each is resized once, while r goes up.
+    const auto line = [&](int row) {
+      std::array<float, kStrip>& values = lines[row % 2];
+      if (std::exchange(held[row % 2], row) != row) {
+        resize_row(probabilities, size, row, std::span(columns).first(static_cast<std::size_t>(pixels)),
+                   values.data());
+      }
+      return values.data();
+    };
+    for (int y = 0; y < mask.height; ++y) {
+      const LinearSample row = linear_sample(half_pixel(mask.y + y - y1, scale_y), padded_size);
+      const float *upper = line(row.low), *lower = line(row.high);
+      std::uint8_t* out = mask.bits.data() + static_cast<std::ptrdiff_t>(y) * mask.width + left;
+      for (int i = 0; i < pixels; ++i) {
+        out[i] = (1.0F - row.fraction) * upper[i] + row.fraction * lower[i] > threshold;
+      }
     }
   }
 }

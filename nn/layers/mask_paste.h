@@ -4,7 +4,8 @@
 // are truncated to whole pixels, the map is resized to the box (bilinear, align_corners false) and cut at a
 // threshold.
 //
-// Cost: one bilinear sample a pixel of the box inside the image.
+// Cost: a linear interpolation a pixel of the box inside the image, and M + 2 a column of it: each row of the
+// map is resized along x once and serves all rows of pixels that lie beside it.
 // Source: torchvision.models.detection.roi_heads.paste_masks_in_image; reference/mask_paste.cpp is the
 // oracle.
 #pragma once

@@ -63,6 +63,7 @@ MaskRcnnConfig with_metadata(const StateDict& weights, MaskRcnnConfig config) {
                  [](double size) { return static_cast<float>(size); });
   config.transform.min_size = config.min_size.value_or(config.transform.min_size);
   config.transform.max_size = config.max_size.value_or(config.transform.max_size);
+  config.rpn.proposals = config.proposals.value_or(config.rpn.proposals);
   return config;
 }
 

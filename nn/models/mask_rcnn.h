@@ -42,8 +42,8 @@ struct MaskRcnnConfig {
   float mask_threshold = 0.5F;
   LayerPrecision precision;
   bool attention = true;  // false: leave out attention weights, the baseline network
-  // Sizes that the user asks for, instead of the weights' own; pixels.
-  std::optional<int> min_size, max_size;
+  // What the user asks for, instead of the weights' own: sizes in pixels, and regions that reach the heads.
+  std::optional<int> min_size, max_size, proposals;
 };
 
 class MaskRcnn : public InstanceSegmenter {

@@ -84,7 +84,7 @@ std::vector<int> features_per_level(int total, const std::vector<double>& scales
 
 int default_feature_count(cv::Size image) {
   constexpr double kPixelsPerFeature = 1241.0 * 376.0 / 2000.0;
-  return std::clamp(static_cast<int>(static_cast<double>(image.area()) / kPixelsPerFeature), 500, 4000);
+  return std::clamp(static_cast<int>(static_cast<double>(image.area()) / kPixelsPerFeature), 1000, 4000);
 }
 
 void OrbExtractor::find_corners(const cv::Mat& level, const cv::Rect& region) {

@@ -29,7 +29,7 @@ struct OrbSettings {
   int cell_size = 35;             // pixels of the level
 };
 
-// One feature per 233 pixels (2000 at 1241 x 376), between 500 and 4000.
+// One feature per 233 pixels (2000 at 1241 x 376), between 1000 and 4000.
 int default_feature_count(cv::Size image);
 
 // Extracts from one image after another; keeps its buffers. Use one extractor per camera and thread.
