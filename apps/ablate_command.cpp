@@ -151,7 +151,7 @@ Cells that are in the --out folder already are not run again. Writes ablation.md
   list("--presets", options->presets, "of the street: easy, street, crowded, lorry, lorry-close");
   list("--masks", options->masks,
        "none; movers (no masks, geometry alone); classes, geometry (by the networks); truth (exact masks)");
-  list("--filters", options->filters, "mismatch filters: off, paper, adaptive");
+  list("--filters", options->filters, "mismatch filters: off, paper, adaptive, compensated");
   list("--weights", options->weights, "networks, NAME=FILE or FILE");
   list("--seeds", options->seeds, "of the street");
   command->add_option("--frames", options->frames, "of each drive; 284 are once round the block")

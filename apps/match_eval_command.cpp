@@ -5,7 +5,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -31,8 +30,10 @@ constexpr const char* kMatchEvalExamples = R"(Examples:
 
 Each image is matched with the one before it: each other's nearest descriptors, without prediction. A pair is
 effective if each of its points is within --threshold pixels of the other's epipolar line under the true motion.
-SIFT stands in for SURF, which Debian's OpenCV lacks. Time is for features of one image, matching and filter. The
-filters are described in docs/slam/mismatch-filter.md.)";
+SIFT stands in for SURF, which Debian's OpenCV lacks. The compensated filter knows the features' stereo depth and
+predicts that the camera goes on as it did in the true path up to the image before. Time is for features of one
+image, matching and filter, without the stereo matching. The filters are described in
+docs/slam/mismatch-filter.md.)";
 
 struct MatchEvalOptions {
   DatasetArguments dataset;
@@ -75,9 +76,7 @@ Sequence evaluate(const slam::StereoDataset& dataset, const slam::MatchingSettin
     progress.update(i + 1);
     while (at < truth.size() && truth[at].timestamp < images.timestamp) ++at;
     if (at == truth.size() || truth[at].timestamp != images.timestamp) continue;
-    cv::Mat grey = images.left;
-    if (grey.channels() == 3) cv::cvtColor(images.left, grey, cv::COLOR_BGR2GRAY);
-    evaluation.add(grey, truth[at].T_wc);
+    evaluation.add(images, truth[at].T_wc);
   }
   Sequence result;
   result.name = dataset.name();
@@ -172,7 +171,8 @@ void print_table(const std::vector<Sequence>& sequences, const MatchEvalOptions&
 void write_plot(const std::vector<Sequence>& sequences, const MatchEvalOptions& options) {
   std::vector<slam::HistogramPanel> panels;
   for (const slam::MatchingMethod method :
-       {slam::MatchingMethod::orb_paper, slam::MatchingMethod::orb_adaptive}) {
+       {slam::MatchingMethod::orb_paper, slam::MatchingMethod::orb_adaptive,
+        slam::MatchingMethod::orb_compensated}) {
     slam::HistogramPanel panel;
     panel.title = name_of(method);
     for (const Sequence& s : sequences) {

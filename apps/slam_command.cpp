@@ -262,8 +262,11 @@ void add_slam_command(CLI::App& app) {
   command->add_option("--movers", options->movers, "find large moving things without masks, by geometry")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  command->add_option("--filter", options->filter, "histogram mismatch filter")
-      ->check(CLI::IsMember({"off", "paper", "adaptive"}))
+  command
+      ->add_option("--filter", options->filter,
+                   "histogram mismatch filter: votes on how far features moved or, "
+                   "compensated, on how far they are from where prediction and depth expect them")
+      ->check(CLI::IsMember({"off", "paper", "adaptive", "compensated"}))
       ->capture_default_str();
   command->add_option("--loops", options->loops, "close loops when a place is seen again")
       ->check(CLI::IsMember({"on", "off"}))

@@ -152,12 +152,15 @@ function filter(data) {
   show_section('filter-section', usable.length > 0);
   if (!usable.length) return;
   slider.max = usable.length - 1;
+  // What is voted on: the distance moved, or what of it was not expected.
+  const compensated = (data.run.settings || {}).mismatch_filter === 'compensated';
+  const quantity = compensated ? 'pixels from where it was expected' : 'pixels moved';
   const show = () => {
     const number = usable[slider.value], {from, width, kept, removed} = frames[number];
     element('filter-number').textContent = data.frames.index[number];
     const totals = kept.map((k, i) => k + removed[i]);
     const plot = axes(element('filter'), [from, from + width * kept.length], [0, largest(totals) * 1.05 || 1],
-                      'pixels moved', 'pairs');
+                      quantity, 'pairs');
     kept.forEach((k, i) => {
       const x = plot.x(from + i * width), w = Math.max(1, plot.x(from + (i + 1) * width) - x - 1);
       plot.draw.fillStyle = css('kept'); plot.draw.fillRect(x, plot.y(k), w, plot.bottom - plot.y(k));

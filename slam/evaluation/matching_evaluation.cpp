@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "slam/base/stopwatch.h"
+#include "slam/features/depth_measurement.h"
 #include "slam/features/descriptor_matcher.h"
 #include "slam/features/orb_extractor.h"
+#include "slam/features/stereo_matcher.h"
 #include "slam/geometry/triangulation.h"
 
 namespace penumbra::slam {
@@ -21,12 +24,51 @@ Eigen::Matrix3d intrinsics(const StereoCamera& camera) {
   return K;
 }
 
+cv::Mat grey_of(const cv::Mat& image) {
+  if (image.channels() != 3) return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+std::vector<float> depths_of(const StereoCamera& camera, const StereoImages& images, const Features& left,
+                             const ImagePyramid& left_pyramid, const OrbSettings& orb) {
+  StereoMatches stereo;
+  if (!images.depth.empty()) {
+    measure_depth(camera, left, images.depth, stereo);
+  } else if (!images.right.empty()) {
+    const cv::Mat grey = grey_of(images.right);
+    OrbExtractor extractor(orb);
+    Features right;
+    extractor.extract(grey, right);
+    match_stereo(camera, left, right, left_pyramid, extractor.pyramid(), stereo);
+  } else {
+    stereo.depth.assign(left.keypoints.size(), -1.0F);
+  }
+  return stereo.depth;
+}
+
+MismatchFilterMode filter_of(MatchingMethod method) {
+  switch (method) {
+    case MatchingMethod::orb_paper:
+      return MismatchFilterMode::paper;
+    case MatchingMethod::orb_adaptive:
+      return MismatchFilterMode::adaptive;
+    case MatchingMethod::orb_compensated:
+      return MismatchFilterMode::compensated;
+    default:
+      return MismatchFilterMode::off;
+  }
+}
+
 }  // namespace
 
 // The features of an image.
 struct MatchingEvaluation::Image {
   SE3 T_wc;
+  double timestamp = 0.0;  // seconds
   Features orb;
+  std::vector<float> depth;  // of `orb`, metres; -1 where unknown
   std::vector<cv::KeyPoint> sift_points;
   cv::Mat sift_descriptors;
   double orb_ms = 0.0, sift_ms = 0.0;
@@ -41,9 +83,11 @@ const char* name_of(MatchingMethod method) {
     case MatchingMethod::orb_paper:
       return "ORB + paper filter";
     case MatchingMethod::orb_adaptive:
+      return "ORB + adaptive filter";
+    case MatchingMethod::orb_compensated:
       break;
   }
-  return "ORB + adaptive filter";
+  return "ORB + compensated filter";
 }
 
 MotionCheck::MotionCheck(const StereoCamera& camera, const SE3& T_21)
@@ -64,17 +108,40 @@ MatchingEvaluation::MatchingEvaluation(const StereoCamera& camera, const Matchin
 
 MatchingEvaluation::~MatchingEvaluation() = default;
 
-void MatchingEvaluation::add(const cv::Mat& grey, const SE3& T_wc) {
+// Each other's nearest descriptors in the image before and `now`, and where the ones before were expected.
+std::vector<MatchedPixels> MatchingEvaluation::match_orb(const Image& now) const {
+  DescriptorMatcherSettings plain;  // the filter is to do the work
+  plain.max_distance = kDescriptorBits;
+  plain.ratio = 1.0F;
+  const SE3 T_before_w = before_->T_wc.inverse();
+  const SE3 T_21 = motion_.predict(T_before_w, before_->timestamp, now.timestamp) * before_->T_wc;
+  std::vector<MatchedPixels> pairs;
+  for (const Match& m : match_descriptors(before_->orb.descriptors, now.orb.descriptors, plain)) {
+    const Keypoint& a = before_->orb.keypoints[static_cast<std::size_t>(m.source)];
+    const Keypoint& b = now.orb.keypoints[static_cast<std::size_t>(m.feature)];
+    pairs.push_back({{a.u, a.v}, {b.u, b.v}});
+    const double depth = before_->depth[static_cast<std::size_t>(m.source)];
+    if (!motion_.known() || !(depth > 0.0)) continue;
+    const Eigen::Vector3d p = T_21 * camera_.back_project(a.u, a.v, depth);
+    if (p.z() > 0.0) pairs.back().expected = camera_.project(p).cast<float>();
+  }
+  return pairs;
+}
+
+void MatchingEvaluation::add(const StereoImages& images, const SE3& T_wc) {
   auto now = std::make_unique<Image>();
   now->T_wc = T_wc;
+  now->timestamp = images.timestamp;
+  const cv::Mat grey = grey_of(images.left);
+  OrbSettings orb;
+  orb.features = settings_.orb_features;
+  OrbExtractor extractor(orb);
   {
-    OrbSettings orb;
-    orb.features = settings_.orb_features;
-    OrbExtractor extractor(orb);
     const Stopwatch watch;
     extractor.extract(grey, now->orb);
     now->orb_ms = watch.milliseconds();
   }
+  now->depth = depths_of(camera_, images, now->orb, extractor.pyramid(), orb);
   if (settings_.sift) {
     const Stopwatch watch;
     cv::SIFT::create()->detectAndCompute(grey, cv::noArray(), now->sift_points, now->sift_descriptors);
@@ -82,21 +149,14 @@ void MatchingEvaluation::add(const cv::Mat& grey, const SE3& T_wc) {
   }
   if (before_) {
     const MotionCheck check(camera_, now->T_wc.inverse() * before_->T_wc);
-    std::vector<MatchedPixels> pairs;
     const Stopwatch watch;
-    DescriptorMatcherSettings plain;  // the filter is to do the work
-    plain.max_distance = kDescriptorBits;
-    plain.ratio = 1.0F;
-    for (const Match& m : match_descriptors(before_->orb.descriptors, now->orb.descriptors, plain)) {
-      const Keypoint& a = before_->orb.keypoints[static_cast<std::size_t>(m.source)];
-      const Keypoint& b = now->orb.keypoints[static_cast<std::size_t>(m.feature)];
-      pairs.push_back({{a.u, a.v}, {b.u, b.v}});
-    }
+    std::vector<MatchedPixels> pairs = match_orb(*now);
     const double match_ms = watch.milliseconds();
-    for (const MatchingMethod method :
-         {MatchingMethod::orb, MatchingMethod::orb_paper, MatchingMethod::orb_adaptive}) {
+    for (const MatchingMethod method : {MatchingMethod::orb, MatchingMethod::orb_paper,
+                                        MatchingMethod::orb_adaptive, MatchingMethod::orb_compensated}) {
       add_pairs(method, pairs, check, now->orb_ms, match_ms);
     }
+    motion_.observe(now->T_wc.inverse(), before_->T_wc.inverse(), before_->timestamp, now->timestamp);
     if (settings_.sift && !before_->sift_descriptors.empty() && !now->sift_descriptors.empty()) {
       pairs.clear();
       const Stopwatch sift_watch;
@@ -116,9 +176,7 @@ void MatchingEvaluation::add(const cv::Mat& grey, const SE3& T_wc) {
 void MatchingEvaluation::add_pairs(MatchingMethod method, const std::vector<MatchedPixels>& pairs,
                                    const MotionCheck& check, double extract_ms, double match_ms) {
   MismatchFilterSettings settings;
-  settings.mode = method == MatchingMethod::orb_paper      ? MismatchFilterMode::paper
-                  : method == MatchingMethod::orb_adaptive ? MismatchFilterMode::adaptive
-                                                           : MismatchFilterMode::off;
+  settings.mode = filter_of(method);
   std::vector<char> keep;
   MatchingCounts& counts = counts_[static_cast<std::size_t>(method)];
   const Stopwatch watch;

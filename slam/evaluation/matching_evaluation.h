@@ -8,6 +8,11 @@
 // (the paper does not say what it calls effective). Where the camera hardly moved there are no epipolar
 // lines, and x2 is compared with K R K^-1 x1 instead.
 //
+// The compensated filter is told what the tracker would know, not the true motion: that the camera goes on as
+// it did between the two images before (slam/tracking/motion_model.h), and the features' stereo depth. The
+// first two images have no motion before them; there, and where a feature has no depth, it has no more to go
+// by than the adaptive one.
+//
 // SIFT stands in for the paper's SURF, which is patented in part and not in Debian's OpenCV: both are
 // blobs of a scale space with a descriptor of gradients.
 #pragma once
@@ -18,15 +23,18 @@
 #include <string>
 #include <vector>
 
+#include "slam/datasets/stereo_dataset.h"
 #include "slam/features/mismatch_filter.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
+#include "slam/tracking/motion_model.h"
 
 namespace penumbra::slam {
 
-enum class MatchingMethod { sift, orb, orb_paper, orb_adaptive };
+enum class MatchingMethod { sift, orb, orb_paper, orb_adaptive, orb_compensated };
 inline constexpr std::array kMatchingMethods = {MatchingMethod::sift, MatchingMethod::orb,
-                                                MatchingMethod::orb_paper, MatchingMethod::orb_adaptive};
+                                                MatchingMethod::orb_paper, MatchingMethod::orb_adaptive,
+                                                MatchingMethod::orb_compensated};
 const char* name_of(MatchingMethod method);
 
 struct MatchingSettings {
@@ -71,25 +79,28 @@ class MatchingEvaluation {
   MatchingEvaluation(const MatchingEvaluation&) = delete;
   MatchingEvaluation& operator=(const MatchingEvaluation&) = delete;
 
-  // The next image (8-bit grey) of the sequence and where it was taken.
-  void add(const cv::Mat& grey, const SE3& T_wc);
+  // The next images of the sequence and where the left one was taken. Without a right image or depth no
+  // feature has depth.
+  void add(const StereoImages& images, const SE3& T_wc);
 
   const MatchingCounts& counts(MatchingMethod method) const {
     return counts_[static_cast<std::size_t>(method)];
   }
-  // Of orb_paper and orb_adaptive.
+  // Of the methods with a filter.
   const DisplacementHistogram& histogram(MatchingMethod method) const {
     return histograms_[static_cast<std::size_t>(method)];
   }
 
  private:
   struct Image;
+  std::vector<MatchedPixels> match_orb(const Image& now) const;
   void add_pairs(MatchingMethod method, const std::vector<MatchedPixels>& pairs, const MotionCheck& check,
                  double extract_ms, double match_ms);
 
   const StereoCamera camera_;
   const MatchingSettings settings_;
   std::unique_ptr<Image> before_;
+  MotionModel motion_;  // up to the image before
   std::array<MatchingCounts, kMatchingMethods.size()> counts_;
   std::array<DisplacementHistogram, kMatchingMethods.size()> histograms_;
 };

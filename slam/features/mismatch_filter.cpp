@@ -65,37 +65,19 @@ std::vector<char> dense_bins(const Histogram& h, double share) {
   return keep;
 }
 
-}  // namespace
+double distance_moved(const MatchedPixels& pair) { return (pair.first - pair.second).cast<double>().norm(); }
 
-MismatchFilterMode mismatch_filter_mode(std::string_view name) {
-  for (const auto mode : {MismatchFilterMode::off, MismatchFilterMode::paper, MismatchFilterMode::adaptive}) {
-    if (name == name_of(mode)) return mode;
-  }
-  throw UsageError(fmt::format("mismatch filter: expected off, paper or adaptive, found '{}'", name));
-}
-
-std::string_view name_of(MismatchFilterMode mode) {
-  switch (mode) {
-    case MismatchFilterMode::paper:
-      return "paper";
-    case MismatchFilterMode::adaptive:
-      return "adaptive";
-    default:
-      return "off";
-  }
-}
-
-MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
-                                       const MismatchFilterSettings& settings, std::vector<char>& keep) {
-  std::vector<double> distances, finite;
-  for (const MatchedPixels& pair : pairs) {
-    distances.push_back((pair.first - pair.second).cast<double>().norm());
-    if (std::isfinite(distances.back())) finite.push_back(distances.back());
+// Keeps or removes each of `distances` by how many there are like it.
+MismatchFilterReport vote(std::vector<double> distances, MismatchFilterMode mode,
+                          const MismatchFilterSettings& settings, std::vector<char>& keep) {
+  std::vector<double> finite;
+  for (const double d : distances) {
+    if (std::isfinite(d)) finite.push_back(d);
   }
   MismatchFilterReport report;
-  keep.assign(pairs.size(), 0);
+  keep.assign(distances.size(), 0);
   if (finite.empty()) {
-    report.removed = report.outside = static_cast<int>(pairs.size());
+    report.removed = report.outside = static_cast<int>(distances.size());
     return report;
   }
 
@@ -103,16 +85,18 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
   const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
   const double d_min = *least, d_max = *most;
   const double width = (d_max - d_min) / gamma;
-  const bool adaptive = settings.mode == MismatchFilterMode::adaptive && finite.size() >= kFewestPairs;
+  const bool by_density = mode == MismatchFilterMode::adaptive || mode == MismatchFilterMode::compensated;
   Histogram histogram;
   std::vector<char> keep_bin;
-  if (settings.mode == MismatchFilterMode::paper) {
+  if (mode == MismatchFilterMode::paper) {
     histogram = make_histogram(distances, 0.0, width, gamma);
     keep_bin = fullest_bins(histogram);
-  } else if (adaptive) {
-    const double q1 = quantile(finite, 0.25), q3 = quantile(finite, 0.75);
+  } else if (by_density && finite.size() >= kFewestPairs) {
+    // What is left over lies on either side of what was expected: its quartiles are -/+ the median.
+    const bool two_sided = mode == MismatchFilterMode::compensated;
+    const double q3 = quantile(finite, two_sided ? 0.5 : 0.75), q1 = two_sided ? -q3 : quantile(finite, 0.25);
     const double reach = settings.fence * (q3 - q1);
-    const double from = std::max(d_min, q1 - reach), to = std::min(d_max, q3 + reach);
+    const double from = two_sided ? 0.0 : std::max(d_min, q1 - reach), to = std::min(d_max, q3 + reach);
     for (double& d : distances) {
       if (d > to) d = std::numeric_limits<double>::infinity();  // outside
     }
@@ -127,7 +111,7 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
     const double from = histogram.origin + histogram.width * static_cast<double>(k);
     report.bins.push_back({from, from + histogram.width, 0, 0});
   }
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  for (std::size_t i = 0; i < distances.size(); ++i) {
     const int bin = histogram.bin_of[i];
     const bool kept = bin != kOutside && keep_bin[static_cast<std::size_t>(bin)];
     keep[i] = kept;
@@ -140,6 +124,63 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
     }
   }
   return report;
+}
+
+// Pairs with an expected pixel vote on what is left over; for the others the vote on distances decides, in
+// which all take part.
+MismatchFilterReport vote_on_what_is_left(std::span<const MatchedPixels> pairs,
+                                          const MismatchFilterSettings& settings, std::vector<char>& keep) {
+  std::vector<double> moved, left_over;
+  std::vector<std::size_t> expected;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const MatchedPixels& pair = pairs[i];
+    moved.push_back(distance_moved(pair));
+    if (!std::isfinite(moved.back()) || !pair.expected || !pair.expected->allFinite()) continue;
+    expected.push_back(i);
+    left_over.push_back((pair.second - *pair.expected).cast<double>().norm());
+  }
+  if (expected.empty()) return vote(std::move(moved), MismatchFilterMode::adaptive, settings, keep);
+  std::vector<char> keep_expected;
+  MismatchFilterReport report = vote(std::move(left_over), settings.mode, settings, keep_expected);
+  if (expected.size() < pairs.size()) vote(std::move(moved), MismatchFilterMode::adaptive, settings, keep);
+  keep.resize(pairs.size());
+  for (std::size_t e = 0; e < expected.size(); ++e) keep[expected[e]] = keep_expected[e];
+  report.outside += static_cast<int>(pairs.size() - expected.size());
+  report.kept = static_cast<int>(std::count(keep.begin(), keep.end(), 1));
+  report.removed = static_cast<int>(keep.size()) - report.kept;
+  return report;
+}
+
+}  // namespace
+
+MismatchFilterMode mismatch_filter_mode(std::string_view name) {
+  for (const auto mode : {MismatchFilterMode::off, MismatchFilterMode::paper, MismatchFilterMode::adaptive,
+                          MismatchFilterMode::compensated}) {
+    if (name == name_of(mode)) return mode;
+  }
+  throw UsageError(
+      fmt::format("mismatch filter: expected off, paper, adaptive or compensated, found '{}'", name));
+}
+
+std::string_view name_of(MismatchFilterMode mode) {
+  switch (mode) {
+    case MismatchFilterMode::paper:
+      return "paper";
+    case MismatchFilterMode::adaptive:
+      return "adaptive";
+    case MismatchFilterMode::compensated:
+      return "compensated";
+    default:
+      return "off";
+  }
+}
+
+MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
+                                       const MismatchFilterSettings& settings, std::vector<char>& keep) {
+  if (settings.mode == MismatchFilterMode::compensated) return vote_on_what_is_left(pairs, settings, keep);
+  std::vector<double> distances;
+  for (const MatchedPixels& pair : pairs) distances.push_back(distance_moved(pair));
+  return vote(std::move(distances), settings.mode, settings, keep);
 }
 
 }  // namespace penumbra::slam

@@ -65,13 +65,13 @@ std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
   return projections;
 }
 
-std::vector<MatchedPixels> LastFrame::pixels(const std::vector<Match>& matches,
-                                             const FrameFeatures& features) const {
+std::vector<MatchedPixels> LastFrame::pixels(const std::vector<Match>& matches, const Frame& frame) const {
   std::vector<MatchedPixels> pixels;
   for (const Match& match : matches) {
     const Keypoint& a = frame_.features->keypoint(match.source);
-    const Keypoint& b = features.keypoint(match.feature);
-    pixels.push_back({{a.u, a.v}, {b.u, b.v}});
+    const Keypoint& b = frame.features->keypoint(match.feature);
+    const Eigen::Vector2d expected = camera_.project(frame.T_cw * *point(match.source));
+    pixels.push_back({{a.u, a.v}, {b.u, b.v}, expected.cast<float>()});
   }
   return pixels;
 }

@@ -305,7 +305,7 @@ std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches, co
                                            TrackingReport& report) const {
   std::vector<char> keep;
   report.frame_matches = static_cast<int>(matches.size());
-  report.filter = filter_mismatches(last_.pixels(matches, *frame.features), settings_.mismatch_filter, keep);
+  report.filter = filter_mismatches(last_.pixels(matches, frame), settings_.mismatch_filter, keep);
   std::vector<Match> kept;
   for (std::size_t m = 0; m < matches.size(); ++m) {
     if (keep[m]) kept.push_back(matches[m]);

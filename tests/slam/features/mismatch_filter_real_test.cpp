@@ -17,7 +17,7 @@ void expect_adaptive_filter_helps(const std::filesystem::path& folder) {
   settings.sift = false;
   MatchingEvaluation evaluation(dataset->camera(), settings);
   for (int i = 0; i < std::min(dataset->size(), 50); ++i) {
-    evaluation.add(dataset->load(i).left, (*dataset->ground_truth())[std::size_t(i)].T_wc);
+    evaluation.add(dataset->load(i), (*dataset->ground_truth())[std::size_t(i)].T_wc);
   }
   for (const MatchingMethod method : kMatchingMethods) {
     const MatchingCounts& c = evaluation.counts(method);
