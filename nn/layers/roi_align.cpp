@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "nn/base/error.h"
 #include "nn/simd/kernel_table.h"
@@ -66,7 +67,22 @@ void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, 
   }
 }
 
-// level(r) is the level that region r is read from.
+// Regions level by level, from the top of the map down: the next one reads what is in the cache already.
+// Those without a number for their top come last.
+template <class LevelOf>
+ArenaVector<std::size_t> reading_order(std::span<const Box> regions, int capacity, Arena& arena,
+                                       LevelOf level_of) {
+  ArenaVector<std::size_t> order(arena, static_cast<std::size_t>(capacity));
+  for (std::size_t r = 0; r < regions.size(); ++r) order.push_back(r);
+  const auto key = [&](std::size_t r) {
+    const float top = regions[r].y1;
+    return std::tuple(level_of(regions[r]).scale, std::isnan(top), std::isnan(top) ? 0.0F : top, r);
+  };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  return order;
+}
+
+// level_of(box) is the level that a region is read from.
 template <class LevelOf>
 FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions options, Arena& arena,
                  int output_border, int capacity, LevelOf level_of) {
@@ -79,15 +95,17 @@ FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions opt
                     output_border);
   const int most_sampling = options.sampling == 0 ? kMaxAdaptiveSampling : options.sampling;
   const auto axis_samples = static_cast<std::size_t>(options.size) * static_cast<std::size_t>(most_sampling);
+  const ArenaVector<std::size_t> order = reading_order(regions, output.batch().capacity, arena, level_of);
   ArenaVector<AxisSample> scratch(arena, 2 * axis_samples * static_cast<std::size_t>(omp_get_max_threads()));
 #pragma omp parallel
   {
     AxisSample* own = scratch.data() + 2 * axis_samples * static_cast<std::size_t>(omp_get_thread_num());
     Axis rows{0, own}, columns{0, own + axis_samples};
 #pragma omp for schedule(dynamic, 4)
-    for (std::size_t r = 0; r < regions.size(); ++r) {
-      const PyramidLevel level = level_of(regions[r]);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const std::size_t r = order[k];
       const Box& box = regions[r];
+      const PyramidLevel level = level_of(box);
       sample_bins(box.y1 * level.scale, box.y2 * level.scale, options, level.map->height(), rows);
       sample_bins(box.x1 * level.scale, box.x2 * level.scale, options, level.map->width(), columns);
       align_region(*level.map, rows, columns, options.size, static_cast<int>(r), output);
