@@ -85,10 +85,10 @@ TEST(Constellation, SupportsAPlaceByThreeObjects) {
 }
 
 TEST(Constellation, WantsTheSameClass) {
-  const Constellation place = street(5, 3);
+  const Constellation place = street(7, 3);
   Constellation image = seen_after(SE3{}, place, 0.0, 3);
   image[2].class_name = "truck";
-  EXPECT_EQ(compare(image, place).agreeing, 4);
+  EXPECT_EQ(compare(image, place).agreeing, 6);
   for (SeenObject& object : image) object.class_name = "truck";
   EXPECT_EQ(compare(image, place).agreeing, 0);
 }
