@@ -18,7 +18,7 @@
 // line in the ground plane is `spread`. Contradicted is an object of the place that the image should show,
 // near enough, not at its rim, hidden by nothing, while nothing at all was found there.
 //
-// Cost: O(n^4) for n objects of a class, 20 us for 10. Source: constellations of objects as landmarks, Frey,
+// Cost: O(n^4) for n objects of a class, seldom more than 10. Source: constellations as landmarks, Frey,
 // Steiner, How, Efficient Constellation-Based Map-Merging for Semantic SLAM (ICRA 2019); one-to-one gated
 // association as in Bowman et al., Probabilistic Data Association for Semantic SLAM (ICRA 2017).
 #pragma once
