@@ -72,7 +72,7 @@ std::vector<slam::FramePair> pairs(const nlohmann::json& list, const std::string
 }
 
 struct Run {
-  std::vector<slam::FramePair> loops, covisible;
+  std::vector<slam::FramePair> loops, covisible, recognised;
   std::vector<int> keyframes;
   std::vector<int> frames;    // numbers of the frames in the sequence ...
   std::vector<double> times;  // ... and their times, seconds
@@ -87,6 +87,9 @@ Run read_run(const std::filesystem::path& folder) {
   Run run;
   run.loops = pairs(report.value("loops", nlohmann::json()), place(report_path, "loops"));
   run.covisible = pairs(report.value("covisibility", nlohmann::json()), place(report_path, "covisibility"));
+  // Not in the reports of older runs.
+  run.recognised = pairs(report.value("recognised_places", nlohmann::json::array()),
+                         place(report_path, "recognised_places"));
   run.keyframes =
       numbers(report.value("keyframe_frames", nlohmann::json()), place(report_path, "keyframe_frames"));
   run.frames = numbers(frames.value("index", nlohmann::json()), place(frames_path, "index"));
@@ -156,6 +159,14 @@ ordered_json loops_json(const slam::LoopEvaluation& e, const std::vector<int>& f
   return json;
 }
 
+ordered_json recognition_json(const slam::RecognitionEvaluation& e) {
+  return {{"places", e.places},
+          {"right_places", e.right_places},
+          {"precision", e.precision()},
+          {"recognised_keyframes", e.recognised_keyframes},
+          {"recall", e.recall()}};
+}
+
 ordered_json index_json(const slam::PlaceIndexEvaluation& e) {
   ordered_json json;
   json["queries"] = e.queries;
@@ -191,6 +202,14 @@ void print_loops(const slam::LoopEvaluation& e, const std::vector<int>& frames) 
   }
 }
 
+void print_recognition(const slam::RecognitionEvaluation& e) {
+  if (e.places == 0) return;
+  fmt::print("places proven        {:4} of which right {:4}   precision {:6.1f} %\n", e.places,
+             e.right_places, 100.0 * e.precision());
+  fmt::print("keyframes there      {:4} proven        {:4}   recall    {:6.1f} %\n", e.revisited_keyframes,
+             e.recognised_keyframes, 100.0 * e.recall());
+}
+
 void print_index(const slam::PlaceIndexEvaluation& e) {
   fmt::print(
       "\nplace index by itself: {} queries, {} revisits; {} descriptors, {:.1f} MB, {:.2f} ms a query\n",
@@ -224,7 +243,7 @@ void run_eval_loops(EvalLoopsOptions options) {
     frame = row->second;
   };
   for (int& frame : run.keyframes) to_row(frame);
-  for (std::vector<slam::FramePair>* list : {&run.loops, &run.covisible}) {
+  for (std::vector<slam::FramePair>* list : {&run.loops, &run.covisible, &run.recognised}) {
     for (slam::FramePair& pair : *list) {
       to_row(pair.frame);
       to_row(pair.earlier);
@@ -232,6 +251,8 @@ void run_eval_loops(EvalLoopsOptions options) {
   }
   const slam::LoopEvaluation loops =
       slam::evaluate_loops(truth, run.loops, run.keyframes, run.covisible, options.revisits);
+  const slam::RecognitionEvaluation recognition =
+      slam::evaluate_recognition(truth, run.recognised, run.keyframes, options.revisits);
   std::optional<slam::PlaceIndexEvaluation> index;
   if (!options.map.empty()) {
     const slam::SavedMap saved = slam::read_map(options.map);
@@ -240,11 +261,13 @@ void run_eval_loops(EvalLoopsOptions options) {
   }
   if (options.json) {
     ordered_json json = loops_json(loops, run.frames);
+    json["recognition"] = recognition_json(recognition);
     if (index) json["place_index"] = index_json(*index);
     fmt::print("{}\n", json.dump(2));
     return;
   }
   print_loops(loops, run.frames);
+  print_recognition(recognition);
   if (index) print_index(*index);
 }
 

@@ -52,7 +52,7 @@ constexpr const char* kAnyViewPort = "auto";
 struct SlamOptions {
   DatasetArguments dataset;
   std::string out, sequence, weights, classes, masks, save_map, load_map;
-  std::string images = "auto", filter = "adaptive", loops = "on";
+  std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on";
   std::string segmentation = "keyframes", moving = "geometry", movers = "on";
   std::string view;  // port, or kAnyViewPort; empty: none
   std::optional<double> frame_rate;
@@ -109,7 +109,9 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   slam::SlamSettings settings;
   settings.orb.features = options.features;
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
-  settings.loops.enabled = options.loops == "on";
+  settings.loops.enabled = options.loops != "off";
+  settings.loops.corrects = options.loops == "on";
+  settings.loops.verifier.constellation.enabled = options.constellation == "on";
   settings.tracker.least_sharpness = options.least_sharpness;
   parse_segmentation(options.segmentation, settings.semantics);
   settings.semantics.instances.check_motion = options.moving == "geometry";
@@ -268,7 +270,14 @@ void add_slam_command(CLI::App& app) {
                    "compensated, on how far they are from where prediction and depth expect them")
       ->check(CLI::IsMember({"off", "paper", "adaptive", "compensated"}))
       ->capture_default_str();
-  command->add_option("--loops", options->loops, "close loops when a place is seen again")
+  command
+      ->add_option("--loops", options->loops,
+                   "close loops when a place is seen again; recognise: only list such places in run.json")
+      ->check(CLI::IsMember({"on", "recognise", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option("--constellation", options->constellation,
+                   "with masks: where the same standing objects are around, fewer points prove a place")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   command

@@ -23,6 +23,7 @@ nlohmann::json settings_json(const SlamRun& run) {
           {"segmentation", run.segmentation},
           {"moving", s.semantics.instances.check_motion ? "geometry" : "class"},
           {"movers", s.tracker.rigid_mover.enabled},
+          {"constellation", s.loops.verifier.constellation.enabled},
           {"threads", s.threads},
           {"deterministic", run.deterministic},
           {"localise", s.localise},
@@ -80,9 +81,20 @@ nlohmann::json loop_closures_json(const std::vector<slam::ClosedLoop>& loops) {
     json.push_back({{"frame", loop.frame},
                     {"earlier_frame", loop.earlier_frame},
                     {"points", loop.inliers},
+                    {"objects", loop.objects},
                     {"correction_m", rounded(loop.correction_metres)},
                     {"merged_submaps", loop.merged_submaps},
                     {"of_loaded_map", loop.of_loaded_map}});
+  }
+  return json;
+}
+
+// [frame, earlier frame, points, objects]
+nlohmann::json recognised_json(const std::vector<slam::RecognisedPlace>& places) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::RecognisedPlace& place : places) {
+    if (place.of_loaded_map) continue;
+    json.push_back({place.frame, place.earlier_frame, place.inliers, place.objects});
   }
   return json;
 }
@@ -172,6 +184,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   const std::vector<slam::ClosedLoop> loops = slam.loops();
   json["loops"] = revisits_json(loops, run.settings.loops);
   json["loop_closures"] = loop_closures_json(loops);
+  json["recognised_places"] = recognised_json(slam.recognised_places());
   json["submaps"] = submaps_json(slam.submaps());
   json["keyframe_frames"] = keyframe_frames;
   json["covisibility"] = covisibility_json(slam);

@@ -27,7 +27,8 @@ struct SlamRun {
 // (objects and their states), peak_arena_bytes (with segmentation), median_ms, p95_ms, cpu_ms_per_frame (of
 // all threads), peak_rss_mb, stages (medians in ms), mismatch_filter (kept, removed), ground_truth (APE,
 // drift; of the located frames) where there is one, loops (pairs of frames, the later first), loop_closures
-// (every correction of the map, with what is known of it), submaps (pieces of the map that are not tied to
+// (every correction of the map, with what is known of it), recognised_places (frame, earlier frame, points,
+// and objects where the points alone had not been enough), submaps (pieces of the map that are not tied to
 // each other, see slam/slam.h), keyframe_frames, covisibility (frame, earlier frame, points that both
 // keyframes see).
 nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam);

@@ -258,14 +258,16 @@ bool Slam::is_segmented(bool is_telling) const {
 // What the segmenter has found meanwhile labels the frames that it belongs to, and all since.
 void Slam::take_instances() {
   const auto scope = timer_.measure("instances");
-  for (const SegmentedFrame& found : segmentation_.take()) {
+  const std::vector<SegmentedFrame> results = segmentation_.take();
+  for (const SegmentedFrame& found : results) {
     instances_.add(found.frame, found.instances);
     if (const auto known = sightings_.find(found.frame); known != sightings_.end())
       known->second = shrunk(instances_.sightings(found.frame));
   }
   MapWork work;
   work.moving = instances_.take_moving_features();
-  if (!work.moving.empty()) worker_.submit(std::move(work));
+  if (!results.empty()) work.objects = instances_.take_keyframe_objects();
+  if (!work.moving.empty() || !work.objects.empty()) worker_.submit(std::move(work));
 }
 
 // `frame` becomes a keyframe, which is still to be put into the map.
@@ -285,6 +287,8 @@ MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
   tracker_.set_keyframe(work.keyframe.get());
   instances_.set_keyframe(work.keyframe.get());
   sightings_[frame.index] = shrunk(instances_.sightings());
+  // Those that earlier frames' results have shown; what is found in this one comes later.
+  if (segmentation_.enabled()) work.objects = instances_.take_keyframe_objects();
   frame.reference = work.keyframe.get();
   frame.T_c_reference = SE3{};
   return work;
@@ -307,6 +311,11 @@ FrameView Slam::newest_view() const {
 std::vector<ClosedLoop> Slam::loops() const {
   const std::shared_lock lock(map_.mutex());
   return loop_closer_.loops();
+}
+
+std::vector<RecognisedPlace> Slam::recognised_places() const {
+  const std::shared_lock lock(map_.mutex());
+  return loop_closer_.recognised();
 }
 
 Trajectory Slam::trajectory() const {

@@ -106,6 +106,8 @@ class Slam {
 
   // Loops that were closed so far, in the order in which they were.
   std::vector<ClosedLoop> loops() const;
+  // Keyframes that were proven to show earlier places, likewise.
+  std::vector<RecognisedPlace> recognised_places() const;
   // The pieces of the map, in the order of their numbers.
   std::vector<SubmapSummary> submaps() const;
   // What the newest frame showed. The thread that calls process() may ask.

@@ -110,4 +110,31 @@ LoopEvaluation evaluate_loops(const Trajectory& truth, const std::vector<FramePa
   return result;
 }
 
+double RecognitionEvaluation::precision() const { return share(right_places, places); }
+double RecognitionEvaluation::recall() const { return share(recognised_keyframes, revisited_keyframes); }
+
+RecognitionEvaluation evaluate_recognition(const Trajectory& truth, const std::vector<FramePair>& recognised,
+                                           const std::vector<int>& keyframes,
+                                           const RevisitSettings& settings) {
+  RecognitionEvaluation result;
+  std::set<int> right;
+  for (const FramePair& pair : recognised) {
+    ++result.places;
+    if (pair.frame - pair.earlier < settings.fewest_frames_apart ||
+        !is_same_place(pose_of(truth, pair.frame), pose_of(truth, pair.earlier), settings)) {
+      continue;
+    }
+    ++result.right_places;
+    right.insert(pair.frame);
+  }
+  const std::vector<int> revisits = find_revisits(truth, settings);
+  for (const int frame : keyframes) {
+    pose_of(truth, frame);
+    if (revisits[static_cast<std::size_t>(frame)] < 0) continue;
+    ++result.revisited_keyframes;
+    result.recognised_keyframes += static_cast<int>(right.count(frame));
+  }
+  return result;
+}
+
 }  // namespace penumbra::slam

@@ -73,4 +73,18 @@ LoopEvaluation evaluate_loops(const Trajectory& truth, const std::vector<FramePa
                               const std::vector<int>& keyframes, const std::vector<FramePair>& covisible,
                               const RevisitSettings& settings = {});
 
+// Keyframes that a run proved to show an earlier place, whether or not it closed a loop there:
+//   precision = those where it is the same place, at least fewest_frames_apart before / all of them
+//   recall    = revisits among the keyframes that were so proven / revisits among the keyframes
+struct RecognitionEvaluation {
+  int places = 0, right_places = 0;
+  int revisited_keyframes = 0, recognised_keyframes = 0;
+
+  double precision() const;
+  double recall() const;
+};
+RecognitionEvaluation evaluate_recognition(const Trajectory& truth, const std::vector<FramePair>& recognised,
+                                           const std::vector<int>& keyframes,
+                                           const RevisitSettings& settings = {});
+
 }  // namespace penumbra::slam

@@ -37,7 +37,9 @@ std::optional<ClosedLoop> LoopCloser::process(KeyFrame* keyframe) {
   if (place) {
     const std::unique_lock lock(map_.mutex());
     const Sighting sighting{keyframe, place->T_cw};
-    if (keyframe->id - last_loop_ > settings_.pause && is_consistent(sighting)) {
+    recognised_.push_back({keyframe->frame_index, place->keyframe->frame_index, place->inliers,
+                           place->objects, place->keyframe->id < first_own_});
+    if (settings_.corrects && keyframe->id - last_loop_ > settings_.pause && is_consistent(sighting)) {
       close(keyframe, *place);
       closed = loops_.back();
     } else {
@@ -84,11 +86,12 @@ void LoopCloser::remember_older_keyframes(const KeyFrame* newest) {
 std::optional<VerifiedPlace> LoopCloser::recognise(const KeyFrame& keyframe) const {
   const std::set<int> around = ids_around(keyframe);
   const auto excluded = [&](const KeyFrame& other) { return around.count(other.id) > 0; };
+  const Constellation objects = constellation_around(keyframe, settings_.verifier.constellation.neighbours);
   std::optional<VerifiedPlace> best;
   for (const PlaceCandidate& candidate : index_.query(*keyframe.features, settings_.candidates, excluded)) {
     std::optional<VerifiedPlace> place =
         verify_place(camera_, map_, *keyframe.features, candidate.keyframe,
-                     static_cast<std::uint64_t>(keyframe.frame_index), settings_.verifier);
+                     static_cast<std::uint64_t>(keyframe.frame_index), settings_.verifier, objects);
     if (!place || (best && place->inliers <= best->inliers)) continue;
     KeyFrame* nearest = revisited(keyframe, *place);
     if (nearest == nullptr || around.count(nearest->id) > 0) continue;
@@ -152,6 +155,7 @@ void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {
   loop.frame = keyframe->frame_index;
   loop.earlier_frame = place.keyframe->frame_index;
   loop.inliers = place.inliers;
+  loop.objects = place.objects;
   loop.of_loaded_map = place.keyframe->id < first_own_;
   loop.correction_metres = (centre(keyframe->T_cw) - centre(place.T_cw)).norm();
   const MapCorrection correction = correct_map(camera_, map_, keyframe, place, edges_, settings_.correction);

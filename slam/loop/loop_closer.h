@@ -29,6 +29,7 @@ namespace penumbra::slam {
 
 struct LoopCloserSettings {
   bool enabled = true;
+  bool corrects = true;  // false: places are recognised, but the map is left as it is
   PlaceVerifierSettings verifier;
   MapCorrectionSettings correction;
   bool adjust_whole_map = true;
@@ -52,11 +53,19 @@ struct LoopCloserSettings {
 // A loop that was closed.
 struct ClosedLoop {
   int frame = 0, earlier_frame = 0;  // frames of the keyframes that show the same place
-  int inliers = 0;                   // points that proved it
+  int inliers = 0;                   // points that proved it ...
+  int objects = 0;                   // ... and objects, where the points alone had not been enough
   double correction_metres = 0.0;    // how far the keyframe was moved
   bool merged_submaps = false;
   bool of_loaded_map =
       false;  // the earlier keyframe is of a map that was loaded, and its frame of another run
+};
+
+// A keyframe that was proven to show an earlier place, whether or not a loop came of it.
+struct RecognisedPlace {
+  int frame = 0, earlier_frame = 0;  // of the keyframes
+  int inliers = 0, objects = 0;      // as in ClosedLoop
+  bool of_loaded_map = false;
 };
 
 class LoopCloser {
@@ -75,6 +84,7 @@ class LoopCloser {
   // Whether the map is to be adjusted as a whole after a loop.
   bool adjusts_whole_map() const { return settings_.adjust_whole_map; }
   const std::vector<ClosedLoop>& loops() const { return loops_; }
+  const std::vector<RecognisedPlace>& recognised() const { return recognised_; }
 
  private:
   // A keyframe that was verified against an older one: its pose there.
@@ -103,6 +113,7 @@ class LoopCloser {
   std::deque<Sighting> sightings_;
   std::vector<LoopEdge> edges_;
   std::vector<ClosedLoop> loops_;
+  std::vector<RecognisedPlace> recognised_;
   int last_loop_ = -1000000;  // id of the keyframe that closed it
 };
 

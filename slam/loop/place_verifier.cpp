@@ -82,6 +82,17 @@ int occupied_cells(const StereoCamera& camera, const FrameFeatures& image,
   return static_cast<int>(std::count(occupied.begin(), occupied.end(), true));
 }
 
+// What a pose must be proven with.
+struct Proof {
+  int inliers = 0;
+  double share = 0.0;
+  int cells = 0;
+};
+
+Proof lesser(const Proof& a, const Proof& b) {
+  return {std::min(a.inliers, b.inliers), std::min(a.share, b.share), std::min(a.cells, b.cells)};
+}
+
 }  // namespace
 
 std::vector<MapPoint*> points_around(const KeyFrame& keyframe, int neighbours) {
@@ -102,7 +113,15 @@ std::vector<MapPoint*> points_around(const KeyFrame& keyframe, int neighbours) {
 
 std::optional<VerifiedPlace> verify_place(const StereoCamera& camera, const Map& map,
                                           const FrameFeatures& features, KeyFrame* keyframe,
-                                          std::uint64_t seed, const PlaceVerifierSettings& settings) {
+                                          std::uint64_t seed, const PlaceVerifierSettings& settings,
+                                          const Constellation& objects) {
+  const Proof by_points{settings.fewest_inliers, settings.least_share, settings.fewest_cells};
+  const bool may_be_supported =
+      settings.constellation.enabled && count_standing(objects) >= settings.constellation.fewest_agreeing;
+  const Proof least =
+      may_be_supported ? lesser(by_points, {settings.fewest_supported_inliers, settings.least_supported_share,
+                                            settings.fewest_supported_cells})
+                       : by_points;
   Pairs pairs = match_by_looks(*keyframe, features, map.scales());
   PnpRansacSettings ransac;
   ransac.seed = seed;
@@ -114,10 +133,12 @@ std::optional<VerifiedPlace> verify_place(const StereoCamera& camera, const Map&
 
   VerifiedPlace place;
   const std::vector<MapPoint*> points = points_around(*keyframe, settings.neighbours);
+  bool enough_points = true;
   for (const float radius : {kWideRadius, kNarrowRadius}) {
     pairs = match_by_projection(camera, estimate.T_cw, points, features, map.scales(), radius, place.visible);
     estimate = optimize_pose(camera, estimate.T_cw, pairs.observations);
-    if (estimate.inliers < settings.fewest_inliers) return std::nullopt;
+    if (estimate.inliers < least.inliers) return std::nullopt;
+    enough_points = enough_points && estimate.inliers >= by_points.inliers;
   }
   place.keyframe = keyframe;
   place.T_cw = estimate.T_cw;
@@ -128,8 +149,17 @@ std::optional<VerifiedPlace> verify_place(const StereoCamera& camera, const Map&
   }
   // A pose may show more points than the image has features to find them with.
   const int findable = std::min(place.visible, features.size());
-  if (place.inliers < settings.least_share * findable) return std::nullopt;
-  if (occupied_cells(camera, features, place.points) < settings.fewest_cells) return std::nullopt;
+  const int cells = occupied_cells(camera, features, place.points);
+  const auto proves = [&](const Proof& needed) {
+    return !(place.inliers < needed.share * findable) && cells >= needed.cells;
+  };
+  if (enough_points && proves(by_points)) return place;
+  if (!may_be_supported || !proves(least)) return std::nullopt;
+  const ConstellationAgreement agreement = compare_constellations(
+      camera, objects, constellation_around(*keyframe, settings.constellation.neighbours),
+      place.T_cw * keyframe->T_cw.inverse(), settings.constellation);
+  if (!supports_place(agreement, settings.constellation)) return std::nullopt;
+  place.objects = agreement.agreeing;
   return place;
 }
 

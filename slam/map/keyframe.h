@@ -10,6 +10,7 @@
 #include "slam/features/patch.h"
 #include "slam/geometry/se3.h"
 #include "slam/map/map_point.h"
+#include "slam/map/seen_object.h"
 
 namespace penumbra::slam {
 
@@ -32,6 +33,7 @@ struct KeyFrame {
   // Of all features; given away once the mapper has handed them to the points.
   std::shared_ptr<const std::vector<Patch>> patches;
   std::vector<Covisible> covisibles;  // most shared points first
+  std::vector<SeenObject> objects;    // each once; none where nothing was segmented
 
   // Keyframes of one sub-map are tied to each other by points. Where the way was lost and nothing was
   // recognised a new sub-map begins, at a guessed pose, until a loop merges it into the older one.

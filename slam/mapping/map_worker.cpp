@@ -34,7 +34,7 @@ std::ptrdiff_t MapWorker::waiting_keyframes() const {
 }
 
 void MapWorker::submit(MapWork work) {
-  Task task{nullptr, std::move(work.moving)};
+  Task task{nullptr, std::move(work.moving), std::move(work.objects)};
   const bool has_keyframe = work.keyframe != nullptr;
   if (threaded_) {
     std::unique_lock lock(mutex_);
@@ -121,6 +121,7 @@ KeyFrame* MapWorker::insert(MapWork work) {
 
 void MapWorker::process(const Task& task) {
   take_out(task.moving);
+  note(task.objects);
   if (task.keyframe == nullptr) return;
   KeyFrame* keyframe = task.keyframe;
   {
@@ -148,6 +149,12 @@ void MapWorker::take_out(const std::vector<MovingFeatures>& moving) {
       if (point != nullptr) map_.erase_point(point);
     }
   }
+}
+
+void MapWorker::note(const std::vector<KeyframeObjects>& objects) {
+  if (objects.empty()) return;
+  const std::unique_lock lock(map_.mutex());
+  for (const KeyframeObjects& seen : objects) seen.keyframe->objects = seen.objects;
 }
 
 void MapWorker::collect_erased() {

@@ -14,7 +14,8 @@
 // kLongestPause at most. The tracker only adds to the map; the worker alone erases, so what it holds stays
 // valid while it has let go of the lock.
 //
-// What turns out to lie on something that moves, some keyframes later, comes the same way and leaves the map.
+// What turns out to lie on something that moves, some keyframes later, comes the same way and leaves the map;
+// and so do the objects that keyframes show, which stay with them.
 //
 // A full bundle adjustment is stopped when another loop closes, and begun anew on the map as it is then. At
 // the end of a run it is waited for, but no longer than kLongestWait: then it is stopped and what it has
@@ -40,7 +41,7 @@
 
 namespace penumbra::slam {
 
-// A keyframe on its way into the map; or none, and features to be taken out of it.
+// A keyframe on its way into the map; or none, and what is to be changed in those that are there.
 struct MapWork {
   std::unique_ptr<KeyFrame> keyframe;
   std::vector<MapPoint*> tracked;  // per feature: the point that the tracker found there, or nullptr
@@ -48,7 +49,8 @@ struct MapWork {
   // What its pose was found against. Where that has been moved meanwhile, by a loop, the keyframe follows.
   const KeyFrame* reference = nullptr;  // nullptr for none
   SE3 reference_T_cw;
-  std::vector<MovingFeatures> moving;
+  std::vector<MovingFeatures> moving;    // to be taken out of the map
+  std::vector<KeyframeObjects> objects;  // of keyframes in the map or of this one
 };
 
 class MapWorker {
@@ -69,10 +71,11 @@ class MapWorker {
   StageTimer take_times();
 
  private:
-  // What waits for the worker: a keyframe to map, or features to take out of the map.
+  // What waits for the worker: a keyframe to map, or changes of others.
   struct Task {
     KeyFrame* keyframe = nullptr;
     std::vector<MovingFeatures> moving;
+    std::vector<KeyframeObjects> objects;
   };
 
   static constexpr std::ptrdiff_t kHurry = 1, kLongestQueue = 3;  // keyframes that wait
@@ -84,6 +87,7 @@ class MapWorker {
   KeyFrame* insert(MapWork work);
   void process(const Task& task);
   void take_out(const std::vector<MovingFeatures>& moving);
+  void note(const std::vector<KeyframeObjects>& objects);
   void collect_erased();
   void adjust_whole_map(int submap);
   void apply_adjustment();

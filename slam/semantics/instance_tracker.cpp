@@ -1,6 +1,7 @@
 #include "slam/semantics/instance_tracker.h"
 
 #include <algorithm>
+#include <map>
 
 #include "slam/semantics/movable.h"
 
@@ -47,6 +48,12 @@ double InstanceTracker::seconds_between(const FrameRecord& from, const FrameReco
 
 bool InstanceTracker::moves(std::size_t object) const {
   return instances_[object].state() == MotionState::moving;
+}
+
+// Stronger than not moving: the map may rely on it.
+bool InstanceTracker::stands(std::size_t object) const {
+  const TrackedInstance& instance = instances_[object];
+  return !instance.can_move || (instance.measured && instance.log_odds <= settings_.standing_log_odds);
 }
 
 PointOrigin InstanceTracker::origin_of(const FrameRecord& at, int feature) const {
@@ -377,6 +384,28 @@ void InstanceTracker::add_mover(int frame, const Instance& mover) {
 
 std::vector<MovingFeatures> InstanceTracker::take_moving_features() {
   return std::exchange(moving_features_, {});
+}
+
+std::vector<KeyframeObjects> InstanceTracker::take_keyframe_objects() {
+  std::map<int, std::vector<SeenObject>> seen;  // by frame
+  for (const FrameRecord& record : history_) {
+    if (record.keyframe != nullptr) seen[record.index];
+  }
+  for (std::size_t object = 0; object < followed_.size(); ++object) {
+    for (const InstanceView& view : followed_[object].views) {
+      const auto at = seen.find(view.frame);
+      if (at == seen.end()) continue;
+      at->second.push_back({static_cast<int>(object), instances_[object].class_name, view.centre, view.region,
+                            stands(object)});
+    }
+  }
+  std::vector<KeyframeObjects> changed;
+  for (FrameRecord& record : history_) {
+    if (record.keyframe == nullptr || record.told == seen[record.index]) continue;
+    record.told = seen[record.index];
+    changed.push_back({record.keyframe, record.told});
+  }
+  return changed;
 }
 
 double InstanceTracker::covered_share() const {

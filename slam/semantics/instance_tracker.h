@@ -39,17 +39,18 @@ struct InstanceTrackerSettings {
   InstanceViewSettings view;
   ObjectMotionSettings motion;
   CompanionSettings companions;
-  double least_score = 0.5;        // instances below it are ignored
-  bool check_motion = true;        // false: whatever can move counts as moving, as DynaSLAM's prior has it
-  int history = 60;                // frames that a late result may be about
-  int frames_back = 5;             // from which a new object's points are looked up
-  double longest_look = 1.0;       // seconds over which displacements are measured
-  double least_overlap = 0.3;      // of masks of the same object ...
-  double least_containment = 0.6;  // ... or of the smaller one's area, with the same class ...
-  double nearest_metres = 1.5;     // ... or how close their places are then, plus 5 % of the depth
-  int most_carried = 30;           // frames that a mask is carried without being found again
-  int most_missed = 2;             // results that do not show it
-  double large_share = 0.15;       // of the image, of what is left out on suspicion where the way is lost
+  double least_score = 0.5;         // instances below it are ignored
+  bool check_motion = true;         // false: whatever can move counts as moving, as DynaSLAM's prior has it
+  int history = 60;                 // frames that a late result may be about
+  int frames_back = 5;              // from which a new object's points are looked up
+  double longest_look = 1.0;        // seconds over which displacements are measured
+  double least_overlap = 0.3;       // of masks of the same object ...
+  double least_containment = 0.6;   // ... or of the smaller one's area, with the same class ...
+  double nearest_metres = 1.5;      // ... or how close their places are then, plus 5 % of the depth
+  int most_carried = 30;            // frames that a mask is carried without being found again
+  int most_missed = 2;              // results that do not show it
+  double standing_log_odds = -2.0;  // of moving, below which what can move and was measured stands
+  double large_share = 0.15;        // of the image, of what is left out on suspicion where the way is lost
   // Stereo features within `close_depth` metres that must remain where one is left out on suspicion.
   int fewest_others = 50;
   double close_depth = 20.0;
@@ -108,6 +109,8 @@ class InstanceTracker {
   void add_mover(int frame, const Instance& mover);
   // What is to be told to the map since the last call.
   std::vector<MovingFeatures> take_moving_features();
+  // The objects of the keyframes that a late result may be about, where they changed since the last call.
+  std::vector<KeyframeObjects> take_keyframe_objects();
 
   // Share of the newest image that is covered by what is known to move, 0..1.
   double covered_share() const;
@@ -125,6 +128,7 @@ class InstanceTracker {
     bool observed = false;  // T_co is final, not predicted
     bool reliable = true;
     KeyFrame* keyframe = nullptr;
+    std::vector<SeenObject> told;  // what the map knows of the keyframe's objects
   };
   // The part of an object that is followed from frame to frame; origins_ per feature of the newest view.
   struct Followed {
@@ -150,6 +154,7 @@ class InstanceTracker {
   void mark(std::size_t object, const FrameRecord& at, const InstanceView& view);
   bool can_spare(const FrameFeatures& features, const std::vector<int>& spared) const;
   bool moves(std::size_t object) const;
+  bool stands(std::size_t object) const;
 
   const StereoCamera camera_;
   const std::vector<double> scales_;

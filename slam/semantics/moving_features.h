@@ -13,4 +13,10 @@ struct MovingFeatures {
   std::vector<int> features;
 };
 
+// The objects that a keyframe shows, as far as they are known by now; replaces what was told before.
+struct KeyframeObjects {
+  KeyFrame* keyframe = nullptr;
+  std::vector<SeenObject> objects;
+};
+
 }  // namespace penumbra::slam

@@ -7,7 +7,7 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr int kRounds = 3;
+constexpr int kPoseRounds = 3;
 constexpr int kIterations = 8;       // at most, per round
 constexpr double kConverged = 1e-5;  // relative decrease of the cost that ends a round
 constexpr double kNearest = 0.05;    // metres in front of the camera
@@ -128,8 +128,8 @@ PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
   if (begin_with != nullptr) problem.begin_with(*begin_with);
   SE3 T_cw = initial;
   int inliers = 0;
-  for (int round = 0; round < kRounds; ++round) {
-    problem.minimise(T_cw, round + 1 < kRounds);
+  for (int round = 0; round < kPoseRounds; ++round) {
+    problem.minimise(T_cw, round + 1 < kPoseRounds);
     inliers = problem.classify(T_cw);
     if (inliers < 3) return failed;
   }
