@@ -25,7 +25,7 @@ struct AblateOptions {
   std::vector<std::string> filters = {"adaptive"};
   std::vector<std::string> weights;  // NAME=FILE or FILE
   std::vector<int> seeds = {1, 2, 3};
-  int frames = 330;
+  int frames = 470;
   std::string size = "620x188";
   bool json = false;
 };
@@ -154,7 +154,7 @@ Cells that are in the --out folder already are not run again. Writes ablation.md
   list("--filters", options->filters, "mismatch filters: off, paper, adaptive, compensated");
   list("--weights", options->weights, "networks, NAME=FILE or FILE");
   list("--seeds", options->seeds, "of the street");
-  command->add_option("--frames", options->frames, "of each drive; 284 are once round the block")
+  command->add_option("--frames", options->frames, "of each drive; 401 are once round the block")
       ->check(CLI::Range(2, 20000))
       ->capture_default_str();
   command->add_option("--size", options->size, "of the images, pixels")

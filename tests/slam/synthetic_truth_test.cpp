@@ -158,7 +158,7 @@ std::vector<double> share_of_lorry(const char* preset, int frames) {
 }
 
 TEST(SyntheticTruth, TheLorryHidesItsShareOfTheImageForTheWholeDrive) {
-  // 284 frames: once round the block with its four bends.
+  // 284 frames: two thirds of the way round the block.
   for (const double share : share_of_lorry("lorry", 284)) {
     EXPECT_GT(share, 0.05);
     EXPECT_LT(share, 0.31);
