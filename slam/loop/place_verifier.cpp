@@ -46,17 +46,27 @@ Pairs match_by_looks(const KeyFrame& keyframe, const FrameFeatures& image,
   return pairs;
 }
 
+// Whether something that may have come since then stands in front of a point, `depth` metres from the camera.
+bool is_hidden(const Projection& projection, double depth, const Constellation& objects) {
+  constexpr double kLength = 3.0;  // metres that an object reaches beyond its middle
+  const cv::Point pixel(static_cast<int>(projection.u), static_cast<int>(projection.v));
+  return std::any_of(objects.begin(), objects.end(), [&](const SeenObject& object) {
+    return !object.stands && object.region.contains(pixel) && depth > object.position.z() + kLength;
+  });
+}
+
 Pairs match_by_projection(const StereoCamera& camera, const SE3& T_cw, const std::vector<MapPoint*>& points,
-                          const FrameFeatures& image, const std::vector<double>& scales, float radius,
-                          int& visible) {
+                          const FrameFeatures& image, const Constellation& objects,
+                          const std::vector<double>& scales, float radius, int& visible) {
   std::vector<Projection> projections;
+  visible = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::optional<Projection> projection = project_point(camera, T_cw, *points[i], scales);
     if (!projection) continue;
     projection->source = static_cast<int>(i);
     projections.push_back(*projection);
+    visible += !is_hidden(*projection, (T_cw * points[i]->position).z(), objects);
   }
-  visible = static_cast<int>(projections.size());
   FrameMatcherSettings search;
   search.radius = radius;
   search.max_distance = 64;
@@ -135,7 +145,8 @@ std::optional<VerifiedPlace> verify_place(const StereoCamera& camera, const Map&
   const std::vector<MapPoint*> points = points_around(*keyframe, settings.neighbours);
   bool enough_points = true;
   for (const float radius : {kWideRadius, kNarrowRadius}) {
-    pairs = match_by_projection(camera, estimate.T_cw, points, features, map.scales(), radius, place.visible);
+    pairs = match_by_projection(camera, estimate.T_cw, points, features, objects, map.scales(), radius,
+                                place.visible);
     estimate = optimize_pose(camera, estimate.T_cw, pairs.observations);
     if (estimate.inliers < least.inliers) return std::nullopt;
     enough_points = enough_points && estimate.inliers >= by_points.inliers;

@@ -5,8 +5,9 @@
 //     -> the same in a narrower window -> pose
 //
 // Proven means: enough of the neighbourhood's points agree with the pose, within their chi-square gates in
-// both images, they are spread over the image, and they are a fair share of what should be seen. Similar
-// looks without a common geometry (house fronts, trees) fail here. Where the objects that stand around the
+// both images, they are spread over the image, and they are a fair share of what should be seen. Points
+// behind an object that is not proven to stand need not be seen: it may have come since. Similar looks
+// without a common geometry (house fronts, trees) fail here. Where the objects that stand around the
 // image are also those that stand around the keyframe (constellation.h), fewer points are enough, but never
 // less than what determines the pose well. About 5 ms a keyframe.
 // Source: Mur-Artal, Tardos, ORB-SLAM (T-RO 2015), sections V-C and VII-B.
@@ -40,7 +41,7 @@ struct VerifiedPlace {
   SE3 T_cw;                       // of the image, in the keyframe's world
   std::vector<MapPoint*> points;  // per feature of the image: the map point it shows, or nullptr
   int inliers = 0;                // how many do
-  int visible = 0;                // points that the pose should show
+  int visible = 0;                // points that the pose should show, hidden by nothing that is known
   int objects = 0;                // that agree, where the points alone had not been enough
 };
 

@@ -92,6 +92,25 @@ TEST_F(PlaceVerifier, IsNotHelpedByObjectsThatStandElsewhereOrMayMove) {
   EXPECT_FALSE(verify(image(36), suspected));
 }
 
+// A lorry ahead hides the left half of the image: what is behind it cannot be asked for.
+TEST_F(PlaceVerifier, DoesNotAskForPointsBehindWhatMayHaveCome) {
+  const FrameFeatures all = image(1000000);
+  const std::optional<VerifiedPlace> open = verify(all, {});
+  ASSERT_TRUE(open);
+  SeenObject lorry{
+      7, "truck", {-2.0, 0.0, 4.0}, {0, 0, world.camera().width / 2, world.camera().height}, false};
+  const std::optional<VerifiedPlace> behind = verify(all, {lorry});
+  ASSERT_TRUE(behind);
+  EXPECT_EQ(behind->inliers, open->inliers);
+  EXPECT_LT(behind->visible, 3 * open->visible / 4);
+  EXPECT_GT(behind->visible, open->visible / 4);
+  lorry.stands = true;  // it stood there before, and hid the same
+  EXPECT_EQ(verify(all, {lorry})->visible, open->visible);
+  lorry.stands = false;
+  lorry.position.z() = 1000.0;
+  EXPECT_EQ(verify(all, {lorry})->visible, open->visible);
+}
+
 TEST_F(PlaceVerifier, CanDoWithoutConstellations) {
   PlaceVerifierSettings settings;
   settings.constellation.enabled = false;
