@@ -72,6 +72,20 @@ TEST(LoopEvaluation, CountsLoopsRegionsAndKeyframes) {
   EXPECT_EQ(evaluate_loops(lap_and_more(130), {{110, 70}}, {}, {}).region_recall(), 0.0);
 }
 
+// The same lap: of four proofs two are right; of keyframes 96, 106, 116 and 126 one is among their frames.
+TEST(LoopEvaluation, CountsPlacesThatWereProven) {
+  const std::vector<FramePair> proven = {{106, 6}, {103, 3}, {110, 70}, {100, 60}};
+  const RecognitionEvaluation result =
+      evaluate_recognition(lap_and_more(130), proven, {0, 6, 16, 60, 96, 106, 116, 126});
+  EXPECT_EQ(result.places, 4);
+  EXPECT_EQ(result.right_places, 2);
+  EXPECT_EQ(result.precision(), 0.5);
+  EXPECT_EQ(result.revisited_keyframes, 4);
+  EXPECT_EQ(result.recognised_keyframes, 1);
+  EXPECT_EQ(result.recall(), 0.25);
+  EXPECT_EQ(evaluate_recognition(lap_and_more(60), {}, {0, 30}).precision(), 1.0);
+}
+
 TEST(LoopEvaluation, NothingToFindIsNothingMissed) {
   const LoopEvaluation result = evaluate_loops(lap_and_more(60), {}, {0, 30}, {});
   EXPECT_TRUE(result.regions.empty());

@@ -173,6 +173,30 @@ TEST(InstanceTracker, TellsTheMapWhatMovedInAKeyframe) {
   EXPECT_TRUE(drive.tracker.take_moving_features().empty());
 }
 
+TEST(InstanceTracker, TellsTheMapTheObjectsOfAKeyframe) {
+  for (const double speed : {0.0, 8.0}) {
+    Drive drive(speed, masks_only());
+    KeyFrame keyframe;
+    drive.to(6);
+    drive.tracker.set_keyframe(&keyframe);
+    EXPECT_TRUE(drive.tracker.take_keyframe_objects().empty()) << "nothing was found yet";
+    for (const int frame : {5, 8, 11}) {  // each look at what moves, or stands, is some more evidence
+      drive.to(frame + 1);
+      drive.tracker.add(frame, {drive.street.instance(frame, "car")});
+    }
+    const std::vector<KeyframeObjects> told = drive.tracker.take_keyframe_objects();
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0].keyframe, &keyframe);
+    ASSERT_EQ(told[0].objects.size(), 1U);
+    const SeenObject& car = told[0].objects[0];
+    EXPECT_EQ(car.class_name, "car");
+    EXPECT_NEAR(car.position.z(), drive.street.box(5).z(), 0.5);
+    EXPECT_EQ(car.region, drive.street.instance(5, "car").region);
+    EXPECT_EQ(car.stands, speed == 0.0);
+    EXPECT_TRUE(drive.tracker.take_keyframe_objects().empty()) << "nothing has changed";
+  }
+}
+
 TEST(InstanceTracker, FindsACompanionWithoutMasks) {
   Drive drive(8.0);
   drive.to(12);
