@@ -41,7 +41,7 @@ Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptio
   const bool three_by_three =
       kernel_height_ == 3 && kernel_width_ == 3 && options.stride == 1 && options.dilation == 1;
   if (options.winograd && three_by_three && groups == 1 && winograd_pays(input_channels_, outputs_)) {
-    // 8 bits would be too few for the sums that Winograd multiplies; bf16 gives up what bf16 layers keep.
+    // 8 bits would be too few for the sums that Winograd multiplies.
     const bool rough = options.format.precision != Precision::f32;
     winograd_ = Winograd(weight, bias, rough ? Precision::bf16 : Precision::f32);
     return;
