@@ -43,8 +43,8 @@ TrackingReport Tracker::track(Frame& frame) {
   report.off_map = located.success && located.off_map;
   report.recovered = located.success && (state_ == TrackingState::lost || state_ == TrackingState::occluded);
   if (!located.success) {
+    forget_attempt(frame);
     frame.T_cw = predicted;
-    std::fill(frame.points.begin(), frame.points.end(), nullptr);
   } else {
     pairs_ = located.pairs;
     map_inliers_ = located.off_map ? 0 : located.inliers;
