@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "nn/base/error.h"
@@ -67,18 +68,27 @@ void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, 
   }
 }
 
+// A region on its way through the threads.
+struct Reading {
+  std::size_t region = 0;
+  PyramidLevel level;  // that it is read from
+  float top = 0.0F;    // pixels of the image
+};
+
 // Regions level by level, from the top of the map down: the next one reads what is in the cache already.
 // Those without a number for their top come last.
 template <class LevelOf>
-ArenaVector<std::size_t> reading_order(std::span<const Box> regions, int capacity, Arena& arena,
-                                       LevelOf level_of) {
-  ArenaVector<std::size_t> order(arena, static_cast<std::size_t>(capacity));
-  for (std::size_t r = 0; r < regions.size(); ++r) order.push_back(r);
-  const auto key = [&](std::size_t r) {
+ArenaVector<Reading> reading_order(std::span<const Box> regions, int capacity, Arena& arena,
+                                   LevelOf level_of) {
+  ArenaVector<Reading> order(arena, static_cast<std::size_t>(capacity));
+  for (std::size_t r = 0; r < regions.size(); ++r) {
     const float top = regions[r].y1;
-    return std::tuple(level_of(regions[r]).scale, std::isnan(top), std::isnan(top) ? 0.0F : top, r);
-  };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    order.push_back(
+        {r, level_of(regions[r]), std::isnan(top) ? std::numeric_limits<float>::infinity() : top});
+  }
+  std::sort(order.begin(), order.end(), [](const Reading& a, const Reading& b) {
+    return std::tuple(a.level.scale, a.top, a.region) < std::tuple(b.level.scale, b.top, b.region);
+  });
   return order;
 }
 
@@ -95,7 +105,7 @@ FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions opt
                     output_border);
   const int most_sampling = options.sampling == 0 ? kMaxAdaptiveSampling : options.sampling;
   const auto axis_samples = static_cast<std::size_t>(options.size) * static_cast<std::size_t>(most_sampling);
-  const ArenaVector<std::size_t> order = reading_order(regions, output.batch().capacity, arena, level_of);
+  const ArenaVector<Reading> order = reading_order(regions, output.batch().capacity, arena, level_of);
   ArenaVector<AxisSample> scratch(arena, 2 * axis_samples * static_cast<std::size_t>(omp_get_max_threads()));
 #pragma omp parallel
   {
@@ -103,9 +113,8 @@ FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions opt
     Axis rows{0, own}, columns{0, own + axis_samples};
 #pragma omp for schedule(dynamic, 4)
     for (std::size_t k = 0; k < order.size(); ++k) {
-      const std::size_t r = order[k];
+      const auto& [r, level, top] = order[k];
       const Box& box = regions[r];
-      const PyramidLevel level = level_of(box);
       sample_bins(box.y1 * level.scale, box.y2 * level.scale, options, level.map->height(), rows);
       sample_bins(box.x1 * level.scale, box.x2 * level.scale, options, level.map->width(), columns);
       align_region(*level.map, rows, columns, options.size, static_cast<int>(r), output);
