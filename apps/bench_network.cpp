@@ -11,6 +11,7 @@
 
 #include "apps/benchmark.h"
 #include "apps/image_size.h"
+#include "apps/network_options.h"
 #include "nn/base/counter_random.h"
 #include "nn/base/error.h"
 #include "nn/models/mask_rcnn.h"
@@ -123,16 +124,7 @@ void add_network_benchmark(CLI::App& bench) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--weights", options->weights, "Mask R-CNN weights [random ones, R50-FPN, 91 classes]");
   command->add_flag("--attention", options->attention, "random weights with mixed attention");
-  command
-      ->add_option_function<int>(
-          "--min-size", [options](int size) { options->config.min_size = size; },
-          "shorter side at the network, pixels [the weights' own, or 800]")
-      ->check(CLI::Range(32, 4096));
-  command
-      ->add_option_function<int>(
-          "--proposals", [options](int count) { options->config.proposals = count; },
-          "most regions that reach the heads [the weights' own, or 1000]")
-      ->check(CLI::Range(1, 10000));
+  add_mask_rcnn_options(command, options->config);
   command
       ->add_option_function<std::string>(
           "--precision",

@@ -6,15 +6,26 @@
 
 namespace penumbra::apps {
 
-void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
-  nn::MaskRcnnConfig& mask_rcnn = network.mask_rcnn;
-  nn::Yolov5Config& yolov5 = network.yolov5;
+void add_mask_rcnn_options(CLI::App* command, nn::MaskRcnnConfig& mask_rcnn) {
   command
       ->add_option_function<int>(
           "--min-size", [&](int size) { mask_rcnn.min_size = size; },
           fmt::format("Mask R-CNN: shorter side at the network, pixels [the weights' own, or {}]",
                       mask_rcnn.transform.min_size))
       ->check(CLI::Range(32, 4096));
+  command
+      ->add_option_function<int>(
+          "--proposals", [&](int count) { mask_rcnn.proposals = count; },
+          fmt::format(
+              "Mask R-CNN: most regions that reach the heads; fewer are faster [the weights' own, or {}]",
+              mask_rcnn.rpn.proposals))
+      ->check(CLI::Range(1, 10000));
+}
+
+void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
+  nn::MaskRcnnConfig& mask_rcnn = network.mask_rcnn;
+  nn::Yolov5Config& yolov5 = network.yolov5;
+  add_mask_rcnn_options(command, mask_rcnn);
   command
       ->add_option_function<int>(
           "--max-size",
@@ -25,13 +36,6 @@ void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
           fmt::format("longest side at the network, pixels [Mask R-CNN the weights' own or {}, YOLOv5 {}]",
                       mask_rcnn.transform.max_size, yolov5.letterbox.size))
       ->check(CLI::Range(32, 8192));
-  command
-      ->add_option_function<int>(
-          "--proposals", [&](int count) { mask_rcnn.proposals = count; },
-          fmt::format(
-              "Mask R-CNN: most regions that reach the heads; fewer are faster [the weights' own, or {}]",
-              mask_rcnn.rpn.proposals))
-      ->check(CLI::Range(1, 10000));
   command
       ->add_option_function<float>(
           "--score-threshold",

@@ -7,7 +7,11 @@
 
 namespace penumbra::apps {
 
-// Adds --min-size, --max-size, --score-threshold, --max-detections, --precision and --no-attention. Where
+// Adds --min-size and --proposals, what only Mask R-CNN has. `mask_rcnn` must live until the command line is
+// parsed.
+void add_mask_rcnn_options(CLI::App* command, nn::MaskRcnnConfig& mask_rcnn);
+
+// Adds those, --max-size, --score-threshold, --max-detections, --precision and --no-attention. Where
 // Mask R-CNN and YOLOv5 both have a setting, the option sets it for both; each has its own default. `network`
 // must live until the command line is parsed.
 void add_network_options(CLI::App* command, nn::NetworkConfig& network);
