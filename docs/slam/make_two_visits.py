@@ -1,11 +1,13 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Makes the drive of docs/slam/loops.md, "Objects beside points": a block of 194 m is driven round once in the
 traffic of `synth --preset street`, and from frame 186 on, 8 m before the first place comes again, in that of
-`--preset lorry`. The street is the same: traffic is added after everything that stands. Needs Python alone.
+`--preset lorry`. The street is the same: traffic is added after everything that stands. Needs Debian's python3-opencv.
 
   make_two_visits.py build/penumbra SEED FOLDER      the drive is then in FOLDER/joint
 """
-import array, json, math, os, shutil, struct, subprocess, sys, zlib
+import json, math, os, shutil, subprocess, sys
+
+import cv2
 
 SWITCH, FRAMES, MOVERS = 186, 269, 20000  # MOVERS: added to the numbers of the second visit's traffic
 RADIUS, SIDES = 8.0, (44.0, 28.0)
@@ -30,47 +32,6 @@ def pose(way):
             break
     c, s = math.cos(heading), math.sin(heading)
     return " ".join(f"{v:.9f}" for v in (c, 0, s, x, 0, 1, 0, 0, -s, 0, c, z))
-
-
-def read_numbers(path):
-    """A 16-bit grey PNG: width, height, pixels."""
-    data, at, packed = open(path, "rb").read(), 8, b""
-    while at < len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        chunk = data[at + 8:at + 8 + size]
-        at += 12 + size
-        if kind == b"IHDR":
-            width, height = struct.unpack(">II", chunk[:8])
-        elif kind == b"IDAT":
-            packed += chunk
-    raw, stride = zlib.decompress(packed), 2 * width
-    above, rows = bytearray(stride), []
-    for y in range(height):
-        start = y * (stride + 1)
-        method, row = raw[start], bytearray(raw[start + 1:start + 1 + stride])
-        for i in range(stride if method else 0):
-            a, b, c = (row[i - 2] if i > 1 else 0), above[i], (above[i - 2] if i > 1 else 0)
-            to_a, to_b, to_c = abs(b - c), abs(a - c), abs(a + b - 2 * c)
-            paeth = a if to_a <= to_b and to_a <= to_c else b if to_b <= to_c else c
-            row[i] = (row[i] + (a, b, (a + b) // 2, paeth)[method - 1]) & 255
-        rows.append(bytes(row))
-        above = row
-    pixels = array.array("H", b"".join(rows))
-    pixels.byteswap()
-    return width, height, pixels
-
-
-def write_numbers(path, width, height, pixels):
-    pixels = array.array("H", pixels)
-    pixels.byteswap()
-    data = pixels.tobytes()
-    raw = b"".join(b"\0" + data[y * 2 * width:(y + 1) * 2 * width] for y in range(height))
-    chunks = ((b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)), (b"IDAT", zlib.compress(raw, 1)),
-              (b"IEND", b""))
-    with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n")
-        for kind, chunk in chunks:
-            file.write(struct.pack(">I", len(chunk)) + kind + chunk + struct.pack(">I", zlib.crc32(kind + chunk)))
 
 
 def main(program, seed, folder):
@@ -98,8 +59,9 @@ def main(program, seed, folder):
             source = os.path.join(visits[i >= SWITCH], name, f"{i:06d}.png")
             target = os.path.join(joint, name, f"{i:06d}.png")
             if name == "instances" and i >= SWITCH:
-                width, height, pixels = read_numbers(source)
-                write_numbers(target, width, height, [p + MOVERS if p > standing else p for p in pixels])
+                numbers = cv2.imread(source, cv2.IMREAD_UNCHANGED)
+                numbers[numbers > standing] += MOVERS
+                cv2.imwrite(target, numbers)
             else:
                 os.symlink(source, target)
 
