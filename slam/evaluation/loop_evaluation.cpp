@@ -19,6 +19,27 @@ const SE3& pose_of(const Trajectory& truth, int frame) {
   return truth[static_cast<std::size_t>(frame)].T_wc;
 }
 
+bool is_revisit(const Trajectory& truth, const FramePair& pair, const RevisitSettings& settings) {
+  return pair.frame - pair.earlier >= settings.fewest_frames_apart &&
+         is_same_place(pose_of(truth, pair.frame), pose_of(truth, pair.earlier), settings);
+}
+
+// How many of the keyframes are revisits, and how many of those are among `found`.
+struct RevisitCount {
+  int revisits = 0, found = 0;
+};
+RevisitCount count_revisits(const Trajectory& truth, const std::vector<int>& revisits,
+                            const std::vector<int>& keyframes, const std::set<int>& found) {
+  RevisitCount count;
+  for (const int frame : keyframes) {
+    pose_of(truth, frame);  // throws where the truth lacks it
+    if (revisits[static_cast<std::size_t>(frame)] < 0) continue;
+    ++count.revisits;
+    count.found += static_cast<int>(found.count(frame));
+  }
+  return count;
+}
+
 }  // namespace
 
 bool is_same_place(const SE3& T_wa, const SE3& T_wb, const RevisitSettings& settings) {
@@ -88,8 +109,7 @@ LoopEvaluation evaluate_loops(const Trajectory& truth, const std::vector<FramePa
     loop.frames = pair;
     loop.distance = (here.translation - there.translation).norm();
     loop.turn = (here.inverse() * there).angle();
-    loop.correct =
-        pair.frame - pair.earlier >= settings.fewest_frames_apart && is_same_place(here, there, settings);
+    loop.correct = is_revisit(truth, pair, settings);
     if (loop.correct) {
       for (RevisitRegion& region : result.regions) {
         region.closed = region.closed || (pair.frame >= region.begin && pair.frame < region.end);
@@ -101,12 +121,9 @@ LoopEvaluation evaluate_loops(const Trajectory& truth, const std::vector<FramePa
   for (const FramePair& pair : covisible) {
     if (pair.frame - pair.earlier >= settings.fewest_frames_apart) tied.insert(pair.frame);
   }
-  for (const int frame : keyframes) {
-    pose_of(truth, frame);
-    if (revisits[static_cast<std::size_t>(frame)] < 0) continue;
-    ++result.revisited_keyframes;
-    result.tied_keyframes += static_cast<int>(tied.count(frame));
-  }
+  const RevisitCount count = count_revisits(truth, revisits, keyframes, tied);
+  result.revisited_keyframes = count.revisits;
+  result.tied_keyframes = count.found;
   return result;
 }
 
@@ -120,20 +137,13 @@ RecognitionEvaluation evaluate_recognition(const Trajectory& truth, const std::v
   std::set<int> right;
   for (const FramePair& pair : recognised) {
     ++result.places;
-    if (pair.frame - pair.earlier < settings.fewest_frames_apart ||
-        !is_same_place(pose_of(truth, pair.frame), pose_of(truth, pair.earlier), settings)) {
-      continue;
-    }
+    if (!is_revisit(truth, pair, settings)) continue;
     ++result.right_places;
     right.insert(pair.frame);
   }
-  const std::vector<int> revisits = find_revisits(truth, settings);
-  for (const int frame : keyframes) {
-    pose_of(truth, frame);
-    if (revisits[static_cast<std::size_t>(frame)] < 0) continue;
-    ++result.revisited_keyframes;
-    result.recognised_keyframes += static_cast<int>(right.count(frame));
-  }
+  const RevisitCount count = count_revisits(truth, find_revisits(truth, settings), keyframes, right);
+  result.revisited_keyframes = count.revisits;
+  result.recognised_keyframes = count.found;
   return result;
 }
 
