@@ -37,7 +37,7 @@
 #include "slam/loop/loop_closer.h"
 #include "slam/mapping/full_bundle_adjustment.h"
 #include "slam/mapping/local_mapper.h"
-#include "slam/semantics/moving_features.h"
+#include "slam/semantics/keyframe_labels.h"
 
 namespace penumbra::slam {
 

@@ -28,7 +28,7 @@
 
 #include "slam/semantics/companion_finder.h"
 #include "slam/semantics/instance_view.h"
-#include "slam/semantics/moving_features.h"
+#include "slam/semantics/keyframe_labels.h"
 #include "slam/semantics/object_motion.h"
 
 namespace penumbra::slam {

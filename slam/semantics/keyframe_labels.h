@@ -1,4 +1,4 @@
-// What the semantics tell the map.
+// What the semantics tell the map of its keyframes.
 #pragma once
 
 #include <vector>
