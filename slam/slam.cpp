@@ -8,6 +8,7 @@
 
 #include "nn/base/error.h"
 #include "slam/features/depth_measurement.h"
+#include "slam/features/grey_image.h"
 
 namespace penumbra::slam {
 
@@ -40,13 +41,6 @@ void check_depth(const cv::Mat& depth, const StereoCamera& camera, int index) {
   throw InputError(fmt::format("frame {}, depth", index),
                    fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
                    fmt::format("{}x{} of type {}", depth.cols, depth.rows, depth.type()));
-}
-
-cv::Mat to_grey(const cv::Mat& image) {
-  if (image.channels() == 1) return image;
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
 }
 
 // Colour of the image at each keypoint.

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "slam/base/stopwatch.h"
 #include "slam/features/depth_measurement.h"
 #include "slam/features/descriptor_matcher.h"
+#include "slam/features/grey_image.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/features/stereo_matcher.h"
 #include "slam/geometry/triangulation.h"
@@ -24,20 +24,13 @@ Eigen::Matrix3d intrinsics(const StereoCamera& camera) {
   return K;
 }
 
-cv::Mat grey_of(const cv::Mat& image) {
-  if (image.channels() != 3) return image;
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
-}
-
 std::vector<float> depths_of(const StereoCamera& camera, const StereoImages& images, const Features& left,
                              const ImagePyramid& left_pyramid, const OrbSettings& orb) {
   StereoMatches stereo;
   if (!images.depth.empty()) {
     measure_depth(camera, left, images.depth, stereo);
   } else if (!images.right.empty()) {
-    const cv::Mat grey = grey_of(images.right);
+    const cv::Mat grey = to_grey(images.right);
     OrbExtractor extractor(orb);
     Features right;
     extractor.extract(grey, right);
@@ -132,7 +125,7 @@ void MatchingEvaluation::add(const StereoImages& images, const SE3& T_wc) {
   auto now = std::make_unique<Image>();
   now->T_wc = T_wc;
   now->timestamp = images.timestamp;
-  const cv::Mat grey = grey_of(images.left);
+  const cv::Mat grey = to_grey(images.left);
   OrbSettings orb;
   orb.features = settings_.orb_features;
   OrbExtractor extractor(orb);
