@@ -65,13 +65,16 @@ std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
   return projections;
 }
 
-std::vector<MatchedPixels> LastFrame::pixels(const std::vector<Match>& matches, const Frame& frame) const {
+std::vector<MatchedPixels> LastFrame::pixels(const std::vector<Match>& matches,
+                                             const std::vector<Projection>& projections,
+                                             const FrameFeatures& features) const {
+  std::vector<Eigen::Vector2f> expected(frame_.points.size());
+  for (const Projection& p : projections) expected[static_cast<std::size_t>(p.source)] = {p.u, p.v};
   std::vector<MatchedPixels> pixels;
   for (const Match& match : matches) {
     const Keypoint& a = frame_.features->keypoint(match.source);
-    const Keypoint& b = frame.features->keypoint(match.feature);
-    const Eigen::Vector2d expected = camera_.project(frame.T_cw * *point(match.source));
-    pixels.push_back({{a.u, a.v}, {b.u, b.v}, expected.cast<float>()});
+    const Keypoint& b = features.keypoint(match.feature);
+    pixels.push_back({{a.u, a.v}, {b.u, b.v}, expected[static_cast<std::size_t>(match.source)]});
   }
   return pixels;
 }

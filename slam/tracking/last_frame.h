@@ -42,9 +42,11 @@ class LastFrame {
 
   // Every point as a camera at `T_cw` sees it, on the level on which its size by now puts it.
   std::vector<Projection> project(const SE3& T_cw) const;
-  // The pixels of each match, whose source is a feature of this frame, and the one where `frame`'s pose so
-  // far leads to expect it.
-  std::vector<MatchedPixels> pixels(const std::vector<Match>& matches, const Frame& frame) const;
+  // The pixels of each match of `projections` with the features of another frame, and the one where it was
+  // looked for.
+  std::vector<MatchedPixels> pixels(const std::vector<Match>& matches,
+                                    const std::vector<Projection>& projections,
+                                    const FrameFeatures& features) const;
   // What the features of another frame measure of the points whose descriptors they resemble, wherever they
   // are in the image: about a third of the pairs are wrong.
   std::vector<PoseObservation> match_anywhere(const FrameFeatures& features) const;

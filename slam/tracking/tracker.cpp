@@ -269,14 +269,16 @@ Tracker::Located Tracker::locate_by_turning(Frame& frame, const SE3& start, Trac
 Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, TrackingReport& report) {
   FrameMatcherSettings search;
   search.radius = radius;
+  std::vector<Projection> projections;
   std::vector<Match> matches;
   {
     const auto scope = timer_.measure("match_last_frame");
-    matches = match_projections(last_.project(frame.T_cw), *frame.features, {}, map_.scales(), search);
+    projections = last_.project(frame.T_cw);
+    matches = match_projections(projections, *frame.features, {}, map_.scales(), search);
   }
   {
     const auto scope = timer_.measure("mismatch_filter");
-    matches = filter_matches(matches, frame, report);
+    matches = filter_matches(matches, last_.pixels(matches, projections, *frame.features), report);
   }
   const auto scope = timer_.measure("pose");
   std::vector<PoseObservation> observations;
@@ -301,11 +303,12 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
   return {true, estimate.inliers};
 }
 
-std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches, const Frame& frame,
+std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches,
+                                           const std::vector<MatchedPixels>& pixels,
                                            TrackingReport& report) const {
   std::vector<char> keep;
   report.frame_matches = static_cast<int>(matches.size());
-  report.filter = filter_mismatches(last_.pixels(matches, frame), settings_.mismatch_filter, keep);
+  report.filter = filter_mismatches(pixels, settings_.mismatch_filter, keep);
   std::vector<Match> kept;
   for (std::size_t m = 0; m < matches.size(); ++m) {
     if (keep[m]) kept.push_back(matches[m]);

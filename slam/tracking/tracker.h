@@ -146,8 +146,8 @@ class Tracker {
   Attempt attempt(const Frame& frame, const Located& located) const;
   void take(const Attempt& attempt, Frame& frame);
   void count_sightings(const Frame& frame);
-  std::vector<Match> filter_matches(const std::vector<Match>& matches, const Frame& frame,
-                                    TrackingReport& report) const;
+  std::vector<Match> filter_matches(const std::vector<Match>& matches,
+                                    const std::vector<MatchedPixels>& pixels, TrackingReport& report) const;
   PoseEstimate leave_out_mover(Frame& frame, std::span<const PoseObservation> observations,
                                const PoseEstimate& estimate, TrackingReport& report) const;
   bool is_covered(const Frame& frame) const { return frame.covered_share >= settings_.occluded_share; }
