@@ -255,8 +255,8 @@ void run_eval_loops(EvalLoopsOptions options) {
       slam::evaluate_recognition(truth, run.recognised, run.keyframes, options.revisits);
   std::optional<slam::PlaceIndexEvaluation> index;
   if (!options.map.empty()) {
-    const slam::SavedMap saved = slam::read_map(options.map);
-    index = slam::evaluate_place_index(*saved.map, truth, run.frames.empty() ? 0 : run.frames.front(), {},
+    const std::unique_ptr<slam::Map> map = slam::read_map(options.map);
+    index = slam::evaluate_place_index(*map, truth, run.frames.empty() ? 0 : run.frames.front(), {},
                                        options.candidates, options.revisits);
   }
   if (options.json) {

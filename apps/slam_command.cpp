@@ -52,7 +52,8 @@ constexpr const char* kAnyViewPort = "auto";
 struct SlamOptions {
   DatasetArguments dataset;
   std::string out, sequence, weights, classes, masks, save_map, load_map;
-  std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on";
+  std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on",
+              self_calibration = "on";
   std::string segmentation = "keyframes", moving = "geometry", movers = "on";
   std::string view;  // port, or kAnyViewPort; empty: none
   std::optional<double> frame_rate;
@@ -112,6 +113,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   settings.loops.enabled = options.loops != "off";
   settings.loops.corrects = options.loops == "on";
   settings.loops.verifier.constellation.enabled = options.constellation == "on";
+  if (options.self_calibration == "off") settings.full_bundle.disparity_offset_sigma = 0.0;
   settings.tracker.least_sharpness = options.least_sharpness;
   parse_segmentation(options.segmentation, settings.semantics);
   settings.semantics.instances.check_motion = options.moving == "geometry";
@@ -139,9 +141,9 @@ std::optional<int> view_port(const std::string& text) {
 // The map of --load-map; nothing where none is asked for.
 std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::StereoCamera& camera) {
   if (options.load_map.empty()) return nullptr;
-  slam::SavedMap saved = slam::read_map(options.load_map);
-  slam::require_same_camera(saved.camera, camera, options.load_map);
-  return std::move(saved.map);
+  std::unique_ptr<slam::Map> map = slam::read_map(options.load_map);
+  slam::require_same_camera(map->camera(), camera, options.load_map);
+  return map;
 }
 
 // Runs until the end, Ctrl-C or the first frame that cannot be read; returns what stopped it, empty at the
@@ -185,6 +187,8 @@ void run_slam(const SlamOptions& options) {
 
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
   run.dataset = dataset->name();
+  // The right columns of an RGB-D camera follow from its depth.
+  if (dataset->sensor() == slam::Sensor::rgbd) run.settings.full_bundle.disparity_offset_sigma = 0.0;
   for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset.folder, note);
   const std::optional<LoadedNetwork> loaded = find_network(options);
   slam::Segmenter segmenter;
@@ -218,7 +222,7 @@ void run_slam(const SlamOptions& options) {
   warn_of_pieces(slam);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(out, *dataset, slam, run);
-  if (!options.save_map.empty()) slam::write_map(options.save_map, dataset->camera(), slam.map());
+  if (!options.save_map.empty()) slam::write_map(options.save_map, slam.map());
   print_summary(slam_report(run, slam), out);
   if (view && !slam.results().empty()) view->finish(out);
   if (!run.error.empty()) throw Error(run.error);
@@ -278,6 +282,11 @@ void add_slam_command(CLI::App& app) {
   command
       ->add_option("--constellation", options->constellation,
                    "with masks: where the same standing objects are around, fewer points prove a place")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option("--self-calibration", options->self_calibration,
+                   "find a constant error of the stereo disparities along with the map")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   command

@@ -11,8 +11,8 @@ namespace penumbra::apps {
 
 namespace {
 
-// Times need no more digits than a clock has.
-double rounded(double milliseconds) { return std::round(milliseconds * 1000.0) / 1000.0; }
+// To a thousandth: times need no more digits than a clock has.
+double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 
 nlohmann::json settings_json(const SlamRun& run) {
   const slam::SlamSettings& s = run.settings;
@@ -24,6 +24,7 @@ nlohmann::json settings_json(const SlamRun& run) {
           {"moving", s.semantics.instances.check_motion ? "geometry" : "class"},
           {"movers", s.tracker.rigid_mover.enabled},
           {"constellation", s.loops.verifier.constellation.enabled},
+          {"self_calibration", s.full_bundle.disparity_offset_sigma > 0.0},
           {"threads", s.threads},
           {"deterministic", run.deterministic},
           {"localise", s.localise},
@@ -163,6 +164,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["keyframes"] = keyframe_frames.size();
   json["loaded_keyframes"] = slam.map().keyframes().size() - keyframe_frames.size();
   json["map_points"] = map_points;
+  json["disparity_offset_px"] = rounded(slam.map().camera().disparity_offset);
   json["movable_features"] = movable_features;
   json["occluded_frames"] = occluded_frames;
   json["instances"] = instances_json(slam);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <optional>
 
 #include "apps/frames_report.h"
@@ -96,6 +97,12 @@ void print_summary(const nlohmann::json& report, const std::filesystem::path& ou
              report["dataset"].get<std::string>(), report["frames"].get<int>(), report["tracked"].get<int>(),
              report["lost"].get<int>(), report["keyframes"].get<int>(), report["map_points"].get<int>(),
              report.value("median_ms", 0.0));
+  constexpr double kWorthTelling = 0.03;  // pixels
+  const double offset = report["disparity_offset_px"].get<double>();
+  if (std::abs(offset) >= kWorthTelling) {
+    fmt::print("disparities are {:.2f} pixels too {} for the calibration, which was taken into account\n",
+               std::abs(offset), offset > 0.0 ? "large" : "small");
+  }
   if (report.contains("ground_truth")) {
     const nlohmann::json& truth = report["ground_truth"];
     fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse", truth["path_m"].get<double>(),

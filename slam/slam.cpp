@@ -97,12 +97,13 @@ SlamSettings with_bundle_threads(SlamSettings settings) {
 }
 
 // The loaded map, or an empty one.
-std::unique_ptr<Map> starting_map(std::unique_ptr<Map> loaded, const SlamSettings& settings) {
+std::unique_ptr<Map> starting_map(const StereoCamera& camera, std::unique_ptr<Map> loaded,
+                                  const SlamSettings& settings) {
   std::vector<double> scales = level_scales(settings.orb.pyramid);
   if (settings.localise && (loaded == nullptr || loaded->keyframes().empty())) {
     throw InputError("localisation", "a map with keyframes", loaded ? "an empty one" : "none");
   }
-  if (loaded == nullptr) return std::make_unique<Map>(std::move(scales));
+  if (loaded == nullptr) return std::make_unique<Map>(camera, std::move(scales));
   if (loaded->scales() != scales) {
     throw InputError("loaded map", fmt::format("features of {} levels, as they are found now", scales.size()),
                      fmt::format("{}, or others", loaded->scales().size()));
@@ -118,19 +119,20 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
       settings_(with_bundle_threads(settings)),
       left_orb_(settings.orb),
       right_orb_(settings.orb),
-      owned_map_(starting_map(std::move(loaded), settings)),
+      owned_map_(starting_map(camera_, std::move(loaded), settings)),
       map_(*owned_map_),
       first_own_keyframe_(map_.next_keyframe_id()),
       index_(settings.index),
-      mapper_(camera_, map_, settings_.mapper),
-      loop_closer_(camera_, map_, index_, settings.loops),
-      tracker_(camera_, map_, index_, tracker_settings(settings, camera_), timer_),
-      instances_(camera_, map_.scales(), instance_settings(settings, camera_)),
-      worker_(camera_, map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
+      mapper_(map_, settings_.mapper),
+      loop_closer_(map_, index_, settings.loops),
+      tracker_(map_, index_, tracker_settings(settings, camera_), timer_),
+      instances_(camera_, map_.scales(), instance_settings(settings, camera_), map_.next_object_number()),
+      worker_(map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
       segmentation_(
           settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
           !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
           settings.semantics.threads > 0 ? settings.semantics.threads : std::max(1, settings.threads - 1)) {
+  camera_ = map_.camera();
   loop_closer_.adopt_map();
 }
 
@@ -172,6 +174,7 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   {
     const std::shared_lock lock(map_.mutex());
     result.tracking = tracker_.track(frame);
+    camera_ = map_.camera();  // of the next frame
     instances_.observe(step_from_last(frame), result.tracking.state == TrackingState::tracking &&
                                                   !result.tracking.recovered &&
                                                   !result.tracking.starts_submap);

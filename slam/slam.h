@@ -122,7 +122,6 @@ class Slam {
   const std::map<int, std::vector<InstanceSighting>>& sightings() const { return sightings_; }
   const StageTimer& timer() const { return timer_; }
   const std::vector<FrameResult>& results() const { return results_; }
-  const StereoCamera& camera() const { return camera_; }
   int tracked() const { return count(TrackingState::tracking); }
   int lost() const { return static_cast<int>(results_.size()) - tracked(); }
 
@@ -142,7 +141,7 @@ class Slam {
   MapWork make_keyframe(Frame& frame, bool starts_submap);
   int count(TrackingState state) const;
 
-  const StereoCamera camera_;
+  StereoCamera camera_;  // as the map had it at the last frame
   const SlamSettings settings_;
   StageTimer timer_;
   OrbExtractor left_orb_, right_orb_;

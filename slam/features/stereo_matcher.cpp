@@ -178,8 +178,6 @@ void match_stereo(const StereoCamera& camera, const Features& left, const Featur
   const RowTable rows(right, right_pyramid, camera.height);
   const float max_disparity =
       static_cast<float>(camera.fx);  // depth = baseline: nearer is not in both images
-  const float fx_baseline = static_cast<float>(camera.fx * camera.baseline);
-
   const std::vector<int> partners = mutual_partners(left, right, rows, max_disparity);
   std::vector<std::pair<int, std::size_t>> differences;  // SAD and feature
   for (std::size_t i = 0; i < n; ++i) {
@@ -196,9 +194,10 @@ void match_stereo(const StereoCamera& camera, const Features& left, const Featur
     // disparity.
     const float disparity = (std::round(at.x()) - refined.x) * left_pyramid.scale_x(k.level);
     const float u_right = k.u - disparity;
-    if (disparity <= 0.0F || disparity > max_disparity || u_right < 0.0F) continue;
+    if (disparity <= std::max(0.0, camera.disparity_offset) || disparity > max_disparity || u_right < 0.0F)
+      continue;
     matches.u_right[i] = u_right;
-    matches.depth[i] = fx_baseline / disparity;
+    matches.depth[i] = static_cast<float>(camera.depth_from_disparity(disparity));
     differences.emplace_back(refined.difference, i);
   }
   if (differences.empty()) return;

@@ -1,12 +1,12 @@
 // Reprojection errors and their derivatives: what pose estimation and bundle adjustment minimise.
 //
 //   p = T_cw X = R X + t                                        point in the camera's frame
-//   e = pi(p) - z,   pi(p) = (fx x/z + cx, fy y/z + cy, fx (x - b)/z + cx)      pixels; the third row for
-//   stereo
+//   e = pi(p) - z,   pi(p) = (fx x/z + cx, fy y/z + cy, fx (x - b)/z + cx - d0)      pixels; the third row
+//   for stereo
 //
 //   J_pi   = de/dp = [ fx/z  0  -fx x/z^2 ;  0  fy/z  -fy y/z^2 ;  fx/z  0  -fx (x - b)/z^2 ]
 //   J_pose = de/dxi  = J_pi [ I | -[p]x ]       for T_cw <- exp(xi) T_cw, xi = (rho, phi)
-//   J_point = de/dX  = J_pi R
+//   J_point = de/dX  = J_pi R,      de/dd0 = (0, 0, -1) for stereo
 //
 // Huber: rho(s) = s for s <= d^2, else 2 d sqrt(s) - d^2, of the squared weighted error s; weight rho'(s).
 // Gates: 95 % quantiles of chi^2 with 2 and 3 degrees of freedom.

@@ -90,7 +90,7 @@ std::optional<VerifiedPlace> LoopCloser::recognise(const KeyFrame& keyframe) con
   std::optional<VerifiedPlace> best;
   for (const PlaceCandidate& candidate : index_.query(*keyframe.features, settings_.candidates, excluded)) {
     std::optional<VerifiedPlace> place =
-        verify_place(camera_, map_, *keyframe.features, candidate.keyframe,
+        verify_place(map_, *keyframe.features, candidate.keyframe,
                      static_cast<std::uint64_t>(keyframe.frame_index), settings_.verifier, objects);
     if (!place || (best && place->inliers <= best->inliers)) continue;
     KeyFrame* nearest = revisited(keyframe, *place);
@@ -147,7 +147,8 @@ bool LoopCloser::is_consistent(const Sighting& newest) const {
     ++agreeing;
     motion = std::max(motion, (centre(sighting.T_cw) - centre(newest.T_cw)).norm());
   }
-  return agreeing >= settings_.consistent && motion >= settings_.least_motion_baselines * camera_.baseline;
+  return agreeing >= settings_.consistent &&
+         motion >= settings_.least_motion_baselines * map_.camera().baseline;
 }
 
 void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {
@@ -158,7 +159,7 @@ void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {
   loop.objects = place.objects;
   loop.of_loaded_map = place.keyframe->id < first_own_;
   loop.correction_metres = (centre(keyframe->T_cw) - centre(place.T_cw)).norm();
-  const MapCorrection correction = correct_map(camera_, map_, keyframe, place, edges_, settings_.correction);
+  const MapCorrection correction = correct_map(map_, keyframe, place, edges_, settings_.correction);
   loop.merged_submaps = correction.merged_submaps;
   edges_.push_back({keyframe, place.keyframe, place.inliers});
   sightings_.clear();

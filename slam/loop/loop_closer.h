@@ -32,7 +32,6 @@ struct LoopCloserSettings {
   bool corrects = true;  // false: places are recognised, but the map is left as it is
   PlaceVerifierSettings verifier;
   MapCorrectionSettings correction;
-  bool adjust_whole_map = true;
   int candidates = 3;  // verified per keyframe
   int age = 5;         // keyframes after which one enters the index
   int fewest_frames_apart = 50;
@@ -71,8 +70,8 @@ struct RecognisedPlace {
 class LoopCloser {
  public:
   // Keyframes enter `index` here, also where loops are not to be closed: who is lost looks there, too.
-  LoopCloser(const StereoCamera& camera, Map& map, PlaceIndex& index, const LoopCloserSettings& settings)
-      : camera_(camera), map_(map), index_(index), settings_(settings) {}
+  LoopCloser(Map& map, PlaceIndex& index, const LoopCloserSettings& settings)
+      : map_(map), index_(index), settings_(settings) {}
 
   // The keyframes of a map that was loaded are places of old: to be called before the first process().
   void adopt_map();
@@ -81,8 +80,6 @@ class LoopCloser {
   // corrected on return: poses and points have moved, points were merged.
   std::optional<ClosedLoop> process(KeyFrame* keyframe);
 
-  // Whether the map is to be adjusted as a whole after a loop.
-  bool adjusts_whole_map() const { return settings_.adjust_whole_map; }
   const std::vector<ClosedLoop>& loops() const { return loops_; }
   const std::vector<RecognisedPlace>& recognised() const { return recognised_; }
 
@@ -102,7 +99,6 @@ class LoopCloser {
   bool is_consistent(const Sighting& newest) const;
   void close(KeyFrame* keyframe, const VerifiedPlace& place);
 
-  const StereoCamera camera_;
   Map& map_;
   PlaceIndex& index_;
   const LoopCloserSettings settings_;

@@ -18,9 +18,8 @@ Pair pair_of(const KeyFrame& a, const KeyFrame& b) { return {std::min(a.id, b.id
 
 class Correction {
  public:
-  Correction(const StereoCamera& camera, Map& map, KeyFrame* keyframe, const VerifiedPlace& place,
-             const MapCorrectionSettings& settings)
-      : camera_(camera), map_(map), keyframe_(keyframe), place_(place), settings_(settings) {
+  Correction(Map& map, KeyFrame* keyframe, const VerifiedPlace& place, const MapCorrectionSettings& settings)
+      : map_(map), keyframe_(keyframe), place_(place), settings_(settings) {
     T_cw_ = place.T_cw;
     depth_ = typical_depth(*keyframe);
   }
@@ -149,7 +148,7 @@ class Correction {
       ++fused;
     }
     const std::vector<MapPoint*> around = points_around(*place_.keyframe, settings_.neighbours);
-    for (KeyFrame* k : group_) fused += fuse_points(camera_, map_, k, around, settings_.fusion_radius, true);
+    for (KeyFrame* k : group_) fused += fuse_points(map_, k, around, settings_.fusion_radius, true);
     for (KeyFrame* k : group_) map_.update_covisibility(k);
     return fused;
   }
@@ -192,7 +191,6 @@ class Correction {
     for (std::size_t n = 0; n < keyframes_.size(); ++n) keyframes_[n]->T_cw = graph_.poses[n];
   }
 
-  const StereoCamera& camera_;
   Map& map_;
   KeyFrame* keyframe_;
   const VerifiedPlace& place_;
@@ -209,10 +207,9 @@ class Correction {
 
 }  // namespace
 
-MapCorrection correct_map(const StereoCamera& camera, Map& map, KeyFrame* keyframe,
-                          const VerifiedPlace& place, const std::vector<LoopEdge>& earlier_loops,
-                          const MapCorrectionSettings& settings) {
-  return Correction(camera, map, keyframe, place, settings).run(earlier_loops);
+MapCorrection correct_map(Map& map, KeyFrame* keyframe, const VerifiedPlace& place,
+                          const std::vector<LoopEdge>& earlier_loops, const MapCorrectionSettings& settings) {
+  return Correction(map, keyframe, place, settings).run(earlier_loops);
 }
 
 }  // namespace penumbra::slam

@@ -42,8 +42,7 @@ struct MapCorrection {
 };
 
 // `place`: where the keyframe was recognised. `earlier_loops` may hold erased keyframes; they are skipped.
-MapCorrection correct_map(const StereoCamera& camera, Map& map, KeyFrame* keyframe,
-                          const VerifiedPlace& place, const std::vector<LoopEdge>& earlier_loops,
-                          const MapCorrectionSettings& settings);
+MapCorrection correct_map(Map& map, KeyFrame* keyframe, const VerifiedPlace& place,
+                          const std::vector<LoopEdge>& earlier_loops, const MapCorrectionSettings& settings);
 
 }  // namespace penumbra::slam

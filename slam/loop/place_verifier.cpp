@@ -121,10 +121,10 @@ std::vector<MapPoint*> points_around(const KeyFrame& keyframe, int neighbours) {
   return points;
 }
 
-std::optional<VerifiedPlace> verify_place(const StereoCamera& camera, const Map& map,
-                                          const FrameFeatures& features, KeyFrame* keyframe,
+std::optional<VerifiedPlace> verify_place(const Map& map, const FrameFeatures& features, KeyFrame* keyframe,
                                           std::uint64_t seed, const PlaceVerifierSettings& settings,
                                           const Constellation& objects) {
+  const StereoCamera& camera = map.camera();
   const Proof by_points{settings.fewest_inliers, settings.least_share, settings.fewest_cells};
   const bool may_be_supported =
       settings.constellation.enabled && count_standing(objects) >= settings.constellation.fewest_agreeing;

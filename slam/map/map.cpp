@@ -62,6 +62,14 @@ int observing_feature(const MapPoint& point, const KeyFrame& keyframe) {
   return at != point.observations.end() && at->keyframe == &keyframe ? at->feature : -1;
 }
 
+int Map::next_object_number() const {
+  int next = 0;
+  for (const KeyFrame* keyframe : active_keyframes_) {
+    for (const SeenObject& object : keyframe->objects) next = std::max(next, object.number + 1);
+  }
+  return next;
+}
+
 std::unique_ptr<KeyFrame> Map::new_keyframe(int frame_index, double timestamp, const SE3& T_cw,
                                             std::shared_ptr<const FrameFeatures> features) {
   auto keyframe = std::make_unique<KeyFrame>();

@@ -21,10 +21,14 @@ namespace penumbra::slam {
 
 class Map {
  public:
-  // `scales`: level_scales of the pyramid.
-  explicit Map(std::vector<double> scales) : scales_(std::move(scales)) {}
+  // `camera`: whose keyframes it will hold; `scales`: level_scales of the pyramid.
+  Map(const StereoCamera& camera, std::vector<double> scales) : camera_(camera), scales_(std::move(scales)) {}
   Map(const Map&) = delete;
   Map& operator=(const Map&) = delete;
+
+  // The camera as the map knows it: its disparity offset may be adjusted along with keyframes and points.
+  const StereoCamera& camera() const { return camera_; }
+  void set_disparity_offset(double pixels) { camera_.disparity_offset = pixels; }
 
   // Pixel sizes of the pyramid's levels.
   const std::vector<double>& scales() const { return scales_; }
@@ -36,6 +40,8 @@ class Map {
   // What the next keyframe and the next point will be numbered.
   int next_keyframe_id() const { return next_keyframe_id_; }
   int next_point_id() const { return next_point_id_; }
+  // Beyond those of all objects that keyframes show.
+  int next_object_number() const;
 
   // A keyframe that is no part of the map yet; numbered in the order of the calls, which one thread makes,
   // with or without the lock.
@@ -81,6 +87,7 @@ class Map {
   std::shared_mutex& mutex() const { return mutex_; }
 
  private:
+  StereoCamera camera_;
   std::vector<double> scales_;
   std::vector<std::unique_ptr<KeyFrame>> keyframes_;  // also the erased ones
   std::vector<KeyFrame*> active_keyframes_;

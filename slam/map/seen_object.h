@@ -8,7 +8,7 @@
 namespace penumbra::slam {
 
 struct SeenObject {
-  int number = 0;                                      // of the object within the run (TrackedInstance::id)
+  int number = 0;                                      // of the object within the map
   std::string class_name;                              // empty: found by its motion alone
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // keyframe's camera frame, metres
   cv::Rect region;                                     // around its mask, pixels of the left image

@@ -18,12 +18,26 @@ constexpr double kNearest = 0.05;    // metres in front of the camera
 constexpr double kBehindCost = 100;  // cost, in gates, of a point behind the camera
 constexpr double kMaxLambda = 1e8;
 
+// The row and column of the disparity offset in the equations of the poses.
+struct Border {
+  Eigen::VectorXd s;            // per pose
+  double c = 0.0, right = 0.0;  // its own diagonal and right side
+
+  explicit Border(int free_poses = 0) : s(Eigen::VectorXd::Zero(6 * free_poses)) {}
+  void add(const Border& other) {
+    s += other.s;
+    c += other.c;
+    right += other.right;
+  }
+};
+
 // What one part of the points contributes to the sums over all.
 struct Part {
   std::size_t begin = 0, end = 0;  // points
   double cost = 0.0;
   std::vector<Matrix6d> U;
   Eigen::VectorXd g_poses, right;
+  Border border, eliminated;  // before the points are eliminated, and what that changes
 };
 
 class Solver {
@@ -38,6 +52,7 @@ class Solver {
     V_.resize(points);
     V_inverse_.resize(points);
     g_points_.resize(points);
+    offset_points_.resize(points);
     W_.resize(problem.observations.size());
     begin_.assign(points + 1, 0);
     for (const BundleObservation& o : problem.observations) ++begin_[static_cast<std::size_t>(o.point) + 1];
@@ -56,7 +71,8 @@ class Solver {
     }
   }
 
-  double cost(const std::vector<SE3>& poses, const std::vector<Eigen::Vector3d>& points) {
+  double cost(const StereoCamera& camera, const std::vector<SE3>& poses,
+              const std::vector<Eigen::Vector3d>& points) {
     for_each_part([&](Part& part, int) {
       part.cost = 0.0;
       for (int i = begin_[part.begin]; i < begin_[part.end]; ++i) {
@@ -64,14 +80,13 @@ class Solver {
         if (!o.active) continue;
         const PixelMeasurement& z = o.measurement;
         const Eigen::Vector3d p = poses[std::size_t(o.pose)] * points[std::size_t(o.point)];
-        part.cost += p.z() < kNearest
-                         ? kBehindCost * z.gate()
-                         : huber(reprojection_error(problem_.camera, p, z).squaredNorm() * z.inverse_variance,
-                                 bound(z))
-                               .cost;
+        part.cost +=
+            p.z() < kNearest
+                ? kBehindCost * z.gate()
+                : huber(reprojection_error(camera, p, z).squaredNorm() * z.inverse_variance, bound(z)).cost;
       }
     });
-    double sum = 0.0;
+    double sum = prior() * camera.disparity_offset * camera.disparity_offset;
     for (const Part& part : parts_) sum += part.cost;
     return sum;
   }
@@ -81,17 +96,23 @@ class Solver {
     for_each_part([&](Part& part, int) {
       part.U.assign(static_cast<std::size_t>(free_poses_), Matrix6d::Zero());
       part.g_poses = Eigen::VectorXd::Zero(6 * free_poses_);
+      part.border = Border(free_poses_);
       for (std::size_t j = part.begin; j < part.end; ++j) {
         V_[j].setZero();
         g_points_[j].setZero();
+        offset_points_[j].setZero();
         for (int i = begin_[j]; i < begin_[j + 1]; ++i) linearize(static_cast<std::size_t>(i), j, part);
       }
     });
     U_.assign(static_cast<std::size_t>(free_poses_), Matrix6d::Zero());
     g_poses_ = Eigen::VectorXd::Zero(6 * free_poses_);
+    border_ = Border(free_poses_);
+    border_.c = prior();
+    border_.right = -prior() * problem_.camera.disparity_offset;
     for (const Part& part : parts_) {
       for (std::size_t a = 0; a < U_.size(); ++a) U_[a] += part.U[a];
       g_poses_ += part.g_poses;
+      border_.add(part.border);
     }
   }
 
@@ -100,16 +121,32 @@ class Solver {
     for_each_part([&](Part& part, int number) {
       reduced_->set_zero(number);
       part.right = Eigen::VectorXd::Zero(6 * free_poses_);
+      part.eliminated = Border(free_poses_);
       for (std::size_t j = part.begin; j < part.end; ++j) eliminate(j, lambda, part, number);
     });
-    Eigen::VectorXd right = -g_poses_, dx;
-    for (const Part& part : parts_) right += part.right;
+    Eigen::VectorXd right = -g_poses_;
+    Border border = border_;
+    border.c *= 1.0 + lambda;
+    for (const Part& part : parts_) {
+      right += part.right;
+      border.add(part.eliminated);
+    }
     for (int a = 0; a < free_poses_; ++a) {
       Matrix6d U = U_[std::size_t(a)];
       U.diagonal() *= 1.0 + lambda;
       reduced_->block(a, a) += U;
     }
-    if (!reduced_->solve(right, dx)) return false;
+    if (!reduced_->factorise()) return false;
+    Eigen::VectorXd dx = reduced_->solve(right);
+    step.disparity_offset = 0.0;
+    if (adjusts_offset()) {
+      const Eigen::VectorXd y = reduced_->solve(border.s);
+      const double reduced = border.c - border.s.dot(y);
+      if (!(reduced > 0.0)) return false;
+      step.disparity_offset = (border.right - border.s.dot(dx)) / reduced;
+      dx -= y * step.disparity_offset;
+    }
+    if (!dx.allFinite()) return false;
 
     step.poses.assign(slot_.size(), Vector6d::Zero());
     for (std::size_t i = 0; i < slot_.size(); ++i) {
@@ -117,7 +154,8 @@ class Solver {
     }
     step.points.resize(V_.size());
     for_each_part([&](Part& part, int) {
-      for (std::size_t j = part.begin; j < part.end; ++j) step.points[j] = point_step(j, dx);
+      for (std::size_t j = part.begin; j < part.end; ++j)
+        step.points[j] = point_step(j, dx, step.disparity_offset);
     });
     return std::all_of(step.points.begin(), step.points.end(),
                        [](const Eigen::Vector3d& X) { return X.allFinite(); });
@@ -133,6 +171,13 @@ class Solver {
     for (int t = 1; t < threads_; ++t) others.push_back(std::async(std::launch::async, share, t));
     share(0);
     for (std::future<void>& other : others) other.get();
+  }
+
+  bool adjusts_offset() const { return problem_.disparity_offset_sigma > 0.0; }
+  // 1/pixels^2
+  double prior() const {
+    const double sigma = problem_.disparity_offset_sigma;
+    return adjusts_offset() ? 1.0 / (sigma * sigma) : 0.0;
   }
 
   double bound(const PixelMeasurement& z) const {
@@ -160,11 +205,18 @@ class Solver {
     const Eigen::Matrix3d J_point = J_pi * T_cw.rotation;
     V_[j].noalias() += weight * J_point.transpose() * J_point;
     g_points_[j].noalias() += weight * J_point.transpose() * e;
+    const bool offset = adjusts_offset() && z.stereo;
+    if (offset) {
+      offset_points_[j].noalias() -= weight * J_point.row(2).transpose();
+      part.border.c += weight;
+      part.border.right += weight * e.z();
+    }
     const int a = slot_[std::size_t(o.pose)];
     if (a < 0) return;
     const Eigen::Matrix<double, 3, 6> J_pose = pose_jacobian(J_pi, p);
     part.U[std::size_t(a)].noalias() += weight * J_pose.transpose() * J_pose;
     part.g_poses.segment<6>(6 * a).noalias() += weight * J_pose.transpose() * e;
+    if (offset) part.border.s.segment<6>(6 * a).noalias() -= weight * J_pose.row(2).transpose();
     W_[i].noalias() = weight * J_pose.transpose() * J_point;
   }
 
@@ -202,11 +254,17 @@ class Solver {
     // A direction that nothing measures (a point that is not seen, say) stays where it is.
     V.diagonal().array() += 1e-9;
     V_inverse_[j] = V.inverse();
+    if (adjusts_offset()) {
+      const Eigen::Vector3d y = V_inverse_[j] * offset_points_[j];
+      part.eliminated.c -= y.dot(offset_points_[j]);
+      part.eliminated.right += y.dot(g_points_[j]);
+    }
     for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
       const int a = free_slot(std::size_t(i));
       if (a < 0) continue;
       const Matrix63 Y = W_[std::size_t(i)] * V_inverse_[j];
       part.right.segment<6>(6 * a).noalias() += Y * g_points_[j];
+      if (adjusts_offset()) part.eliminated.s.segment<6>(6 * a).noalias() -= Y * offset_points_[j];
       for (int k = begin_[j]; k < begin_[j + 1]; ++k) {
         const int b = free_slot(std::size_t(k));
         if (b >= a) reduced_->block(a, b, number).noalias() -= Y * W_[std::size_t(k)].transpose();
@@ -214,9 +272,9 @@ class Solver {
     }
   }
 
-  // dX of point j, given dx.
-  Eigen::Vector3d point_step(std::size_t j, const Eigen::VectorXd& dx) const {
-    Eigen::Vector3d sum = g_points_[j];
+  // dX of point j, given dx and dd0.
+  Eigen::Vector3d point_step(std::size_t j, const Eigen::VectorXd& dx, double disparity_offset) const {
+    Eigen::Vector3d sum = g_points_[j] + offset_points_[j] * disparity_offset;
     for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
       const int a = free_slot(static_cast<std::size_t>(i));
       if (a >= 0) sum.noalias() += W_[std::size_t(i)].transpose() * dx.segment<6>(6 * a);
@@ -237,6 +295,8 @@ class Solver {
   std::array<Part, kBundleParts> parts_;
   Eigen::VectorXd g_poses_;
   std::vector<Eigen::Vector3d> g_points_;
+  std::vector<Eigen::Vector3d> offset_points_;  // per point: the disparity offset's block beside V
+  Border border_;
 };
 
 }  // namespace
@@ -244,7 +304,7 @@ class Solver {
 BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings) {
   Solver solver(problem, settings.robust, settings.threads);
   BundleSummary summary;
-  summary.initial_cost = summary.final_cost = solver.cost(problem.poses, problem.points);
+  summary.initial_cost = summary.final_cost = solver.cost(problem.camera, problem.poses, problem.points);
   double lambda = settings.initial_lambda;
   BundleStep step;
   bool linearized = false;
@@ -259,18 +319,21 @@ BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& setting
     }
     std::vector<SE3> poses = problem.poses;
     std::vector<Eigen::Vector3d> points = problem.points;
+    StereoCamera camera = problem.camera;
+    camera.disparity_offset += step.disparity_offset;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (problem.pose_fixed[i]) continue;
       poses[i] = SE3::exp(step.poses[i]) * poses[i];
       poses[i].normalize();
     }
     for (std::size_t j = 0; j < points.size(); ++j) points[j] += step.points[j];
-    const double cost = solver.cost(poses, points);
+    const double cost = solver.cost(camera, poses, points);
     if (!(cost <= summary.final_cost)) {
       lambda *= 10.0;
       continue;
     }
     const bool converged = summary.final_cost - cost <= settings.converged * summary.final_cost;
+    problem.camera = camera;
     problem.poses.swap(poses);
     problem.points.swap(points);
     summary.final_cost = cost;

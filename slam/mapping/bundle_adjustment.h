@@ -12,6 +12,14 @@
 //   (U - W V^-1 W^T) dx = -g_x + W V^-1 g_X,        dX = -V^-1 (g_X + W^T dx)
 //
 // Damping: the diagonals of U and V are multiplied by 1 + lambda. Perturbation T <- exp(dx) T on the left.
+//
+// The disparity offset d0 of the stereo camera may be one more unknown: it borders the equations of the poses
+// with a column s and a number c, which lose what the points explain just as U does. With one factorisation,
+//
+//   S = U - W V^-1 W^T,   S x = right,   S y = s,      dd0 = (r - s^T x) / (c - s^T y),   dx = x - y dd0
+//
+// A prior keeps d0 by 0 where the measurements say nothing about it.
+//
 // Several threads share the points of a large problem, in kBundleParts parts whose sums are added in a fixed
 // order: the result is the same for any number of threads, to the last bit.
 // Cost of an iteration: O(observations * observations per point) for the elimination, O((6 poses)^3) to
@@ -42,6 +50,8 @@ struct BundleProblem {
   std::vector<char> pose_fixed;  // per pose
   std::vector<Eigen::Vector3d> points;
   std::vector<BundleObservation> observations;  // ordered by point
+  // Pixels, deviation of the camera's disparity offset from 0 before anything is measured; 0: not adjusted.
+  double disparity_offset_sigma = 0.0;
 };
 
 struct BundleSettings {
@@ -62,9 +72,11 @@ struct BundleSummary {
 struct BundleStep {
   std::vector<Vector6d> poses;  // zero for fixed ones
   std::vector<Eigen::Vector3d> points;
+  double disparity_offset = 0.0;
 };
 
-// Improves problem.poses and problem.points; the cost never rises. Points that no active observation sees
+// Improves problem.poses, problem.points and, where it is adjusted, the camera's disparity offset; the cost
+// never rises. Points that no active observation sees
 // stay.
 BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings);
 

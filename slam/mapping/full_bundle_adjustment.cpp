@@ -9,10 +9,9 @@
 
 namespace penumbra::slam {
 
-FullBundleAdjustment::FullBundleAdjustment(const StereoCamera& camera, const Map& map, int submap,
-                                           const FullBundleSettings& settings)
+FullBundleAdjustment::FullBundleAdjustment(const Map& map, int submap, const FullBundleSettings& settings)
     : settings_(settings) {
-  problem_.camera = camera;
+  problem_.camera = map.camera();
   std::unordered_map<const KeyFrame*, int> pose_of;
   for (KeyFrame* keyframe : map.keyframes()) {
     if (keyframe->submap != submap) continue;
@@ -34,6 +33,8 @@ FullBundleAdjustment::FullBundleAdjustment(const StereoCamera& camera, const Map
           {pose->second, j, measurement_of(*o.keyframe, o.feature, map.scales()), true});
     }
   }
+  const bool is_most_of_map = 2 * keyframes_.size() > map.keyframes().size();
+  problem_.disparity_offset_sigma = is_most_of_map ? settings.disparity_offset_sigma : 0.0;
   report_.keyframes = static_cast<int>(keyframes_.size());
   report_.points = static_cast<int>(points_.size());
   report_.observations = static_cast<int>(problem_.observations.size());
@@ -63,6 +64,7 @@ void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
 }
 
 void FullBundleAdjustment::apply(Map& map) {
+  map.set_disparity_offset(problem_.camera.disparity_offset);
   PosesBefore before;
   std::unordered_set<const MapPoint*> adjusted;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {

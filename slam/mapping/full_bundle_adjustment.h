@@ -4,6 +4,9 @@
 // without the observations beyond their chi-square gate; those that are beyond it at the end leave the map.
 // Points with a single observation say nothing about poses and move along with their keyframe.
 //
+// The stereo camera's disparity offset is adjusted, too, where the sub-map is most of the map, and apply()
+// gives it to the map.
+//
 // The numbers are copied out of the map, adjusted, and copied back, so that a thread may adjust while the map
 // grows: solve() touches no map. Keyframes that were added meanwhile move along (newcomers.h).
 // What is stopped half-way can be applied, for no iteration makes the errors larger; but no observation
@@ -23,6 +26,8 @@ struct FullBundleSettings {
   int robust_iterations = 10;  // at most, with the Huber kernel
   int iterations = 10;         // at most, without
   int threads = 1;
+  // Pixels, as BundleProblem's; 0 for an RGB-D camera, whose right columns follow from its depth.
+  double disparity_offset_sigma = 0.2;
 };
 
 struct FullBundleReport {
@@ -34,8 +39,7 @@ struct FullBundleReport {
 class FullBundleAdjustment {
  public:
   // Copies the part of the map that belongs to `submap`.
-  FullBundleAdjustment(const StereoCamera& camera, const Map& map, int submap,
-                       const FullBundleSettings& settings);
+  FullBundleAdjustment(const Map& map, int submap, const FullBundleSettings& settings);
 
   // Ends after the iteration in which `stop` is set.
   void solve(const std::atomic<bool>* stop = nullptr);

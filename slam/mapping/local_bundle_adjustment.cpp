@@ -55,10 +55,9 @@ Window choose_window(KeyFrame* centre, const LocalBundleSettings& settings) {
   return window;
 }
 
-BundleProblem make_problem(const StereoCamera& camera, const Window& window,
-                           const std::vector<double>& scales) {
+BundleProblem make_problem(const Map& map, const Window& window) {
   BundleProblem problem;
-  problem.camera = camera;
+  problem.camera = map.camera();
   std::map<int, int> pose_of;  // keyframe id -> pose
   // Without a border something else has to hold the window: its oldest keyframe.
   int oldest = 0;
@@ -78,7 +77,8 @@ BundleProblem make_problem(const StereoCamera& camera, const Window& window,
     for (const Observation& o : point->observations) {
       const auto pose = pose_of.find(o.keyframe->id);
       if (pose == pose_of.end()) continue;
-      problem.observations.push_back({pose->second, j, measurement_of(*o.keyframe, o.feature, scales), true});
+      problem.observations.push_back(
+          {pose->second, j, measurement_of(*o.keyframe, o.feature, map.scales()), true});
     }
   }
   return problem;
@@ -94,12 +94,11 @@ bool within_gate(const BundleProblem& problem, const BundleObservation& o) {
 
 }  // namespace
 
-LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
-                                      const LocalBundleSettings& settings,
+LocalBundleReport adjust_local_bundle(KeyFrame* centre, Map& map, const LocalBundleSettings& settings,
                                       std::unique_lock<std::shared_mutex>* lock,
                                       const std::atomic<bool>* stop) {
   const Window window = choose_window(centre, settings);
-  BundleProblem problem = make_problem(camera, window, map.scales());
+  BundleProblem problem = make_problem(map, window);
   LocalBundleReport report;
   report.free_keyframes = window.free_keyframes;
   report.fixed_keyframes = static_cast<int>(window.keyframes.size()) - window.free_keyframes;

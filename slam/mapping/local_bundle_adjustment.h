@@ -33,8 +33,7 @@ struct LocalBundleReport {
 // is nearly all the time. Others may add keyframes, points and observations meanwhile, but not erase;
 // keyframes that were added move along with their neighbours (newcomers.h). It ends after the iteration in
 // which `stop` is set, and takes what it has reached; then no observation leaves the map.
-LocalBundleReport adjust_local_bundle(const StereoCamera& camera, KeyFrame* centre, Map& map,
-                                      const LocalBundleSettings& settings,
+LocalBundleReport adjust_local_bundle(KeyFrame* centre, Map& map, const LocalBundleSettings& settings,
                                       std::unique_lock<std::shared_mutex>* lock = nullptr,
                                       const std::atomic<bool>* stop = nullptr);
 

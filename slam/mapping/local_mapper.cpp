@@ -29,17 +29,17 @@ int weight_of(const MapPoint& point) {
 void LocalMapper::insert(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked,
                          const std::vector<char>& aligned) {
   connect(keyframe, tracked, aligned);
-  create_stereo_points(camera_, keyframe, map_, settings_.point_creation);
+  create_stereo_points(keyframe, map_, settings_.point_creation);
   renew_patches(keyframe);
 }
 
 void LocalMapper::process(KeyFrame* keyframe, const std::atomic<bool>* hurry) {
   std::unique_lock lock(map_.mutex());
   cull_recent_points(*keyframe);
-  triangulate_with_neighbours(camera_, keyframe, map_, settings_.point_creation);
+  triangulate_with_neighbours(keyframe, map_, settings_.point_creation);
   fuse_with_neighbours(keyframe);
   give_patches(keyframe);
-  adjust_local_bundle(camera_, keyframe, map_, settings_.bundle, &lock, hurry);
+  adjust_local_bundle(keyframe, map_, settings_.bundle, &lock, hurry);
   cull_keyframes(*keyframe);
 }
 
@@ -77,8 +77,8 @@ void LocalMapper::fuse_with_neighbours(KeyFrame* keyframe) {
   const std::vector<Covisible> covisibles = keyframe->covisibles;
   for (int n = 0; n < settings_.fuse_neighbours && n < static_cast<int>(covisibles.size()); ++n) {
     KeyFrame* neighbour = covisibles[static_cast<std::size_t>(n)].keyframe;
-    fuse_points(camera_, map_, neighbour, std::vector<MapPoint*>(keyframe->points), kFusionRadius);
-    fuse_points(camera_, map_, keyframe, std::vector<MapPoint*>(neighbour->points), kFusionRadius);
+    fuse_points(map_, neighbour, std::vector<MapPoint*>(keyframe->points), kFusionRadius);
+    fuse_points(map_, keyframe, std::vector<MapPoint*>(neighbour->points), kFusionRadius);
   }
   for (MapPoint* point : keyframe->points) {
     if (point != nullptr) map_.update_point(point);
@@ -123,7 +123,7 @@ void LocalMapper::cull_keyframes(const KeyFrame& newest) {
 
 bool LocalMapper::is_redundant(const KeyFrame& keyframe) const {
   constexpr int kOthers = 3;
-  const double close = close_depth(camera_, settings_.point_creation);
+  const double close = close_depth(map_.camera(), settings_.point_creation);
   int points = 0, redundant = 0;
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
     const MapPoint* point = keyframe.points[i];

@@ -28,8 +28,8 @@ struct LocalMapperSettings {
 
 class LocalMapper {
  public:
-  LocalMapper(const StereoCamera& camera, Map& map, const LocalMapperSettings& settings)
-      : camera_(camera), map_(map), settings_(settings), first_unproven_(map.next_point_id()) {}
+  LocalMapper(Map& map, const LocalMapperSettings& settings)
+      : map_(map), settings_(settings), first_unproven_(map.next_point_id()) {}
 
   // `keyframe` is of the map; `tracked`: per feature the point that the tracker found there, or nullptr;
   // `aligned`: 1 where it found the point's patch, too. Needs the map's lock alone.
@@ -49,7 +49,6 @@ class LocalMapper {
   void cull_keyframes(const KeyFrame& newest);
   bool is_redundant(const KeyFrame& keyframe) const;
 
-  const StereoCamera camera_;
   Map& map_;
   const LocalMapperSettings settings_;
   int first_unproven_;  // id of the oldest point that is still on probation; all of a loaded map are proven

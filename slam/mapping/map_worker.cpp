@@ -6,14 +6,14 @@
 
 namespace penumbra::slam {
 
-MapWorker::MapWorker(const StereoCamera& camera, Map& map, LocalMapper& mapper, LoopCloser& loop_closer,
+MapWorker::MapWorker(Map& map, LocalMapper& mapper, LoopCloser& loop_closer,
                      const FullBundleSettings& full_bundle, bool threaded)
-    : camera_(camera),
-      map_(map),
+    : map_(map),
       mapper_(mapper),
       loop_closer_(loop_closer),
       full_bundle_(full_bundle),
-      threaded_(threaded) {
+      threaded_(threaded),
+      due_keyframes_(std::max(kFirstDue, 2 * map.keyframes().size())) {
   if (threaded_) thread_ = std::thread([this] { run(); });
 }
 
@@ -133,7 +133,7 @@ void MapWorker::process(const Task& task) {
     const auto scope = timer_.measure("loops");
     closed = loop_closer_.process(keyframe);
   }
-  if (closed) adjust_whole_map(keyframe->submap);
+  if (closed || whole_map_is_due()) adjust_whole_map(keyframe->submap);
   collect_erased();
 }
 
@@ -163,12 +163,14 @@ void MapWorker::collect_erased() {
   map_.collect_erased();
 }
 
+bool MapWorker::whole_map_is_due() const { return !adjustment_ && map_.keyframes().size() >= due_keyframes_; }
+
 void MapWorker::adjust_whole_map(int submap) {
-  if (!loop_closer_.adjusts_whole_map()) return;
   stop_adjustment();
+  due_keyframes_ = 2 * map_.keyframes().size();
   {
     const std::shared_lock lock(map_.mutex());
-    adjustment_ = std::make_unique<FullBundleAdjustment>(camera_, map_, submap, full_bundle_);
+    adjustment_ = std::make_unique<FullBundleAdjustment>(map_, submap, full_bundle_);
   }
   if (!threaded_) {
     const auto scope = timer_.measure("full_bundle");

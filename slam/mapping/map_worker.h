@@ -6,6 +6,9 @@
 //                           loop closed -> [ full bundle adjustment ]   a third thread,
 //                           applied by the worker between two keyframes
 //
+// The whole map is adjusted, too, when it has 15 keyframes, and again whenever it has twice as many as the
+// last time: then the disparity offset (slam/geometry/stereo_camera.h) is found early, and ever more closely.
+//
 // In line (threaded = false) everything is done before submit() returns, in the caller's thread: results
 // repeat bit for bit. Threaded, the tracker has the new points at once, as in line, and waits only while the
 // worker holds Map::mutex() alone: to add points and to take over what an adjustment has found, never while
@@ -55,8 +58,8 @@ struct MapWork {
 
 class MapWorker {
  public:
-  MapWorker(const StereoCamera& camera, Map& map, LocalMapper& mapper, LoopCloser& loop_closer,
-            const FullBundleSettings& full_bundle, bool threaded);
+  MapWorker(Map& map, LocalMapper& mapper, LoopCloser& loop_closer, const FullBundleSettings& full_bundle,
+            bool threaded);
   // Drops what is still waiting.
   ~MapWorker();
   MapWorker(const MapWorker&) = delete;
@@ -79,6 +82,7 @@ class MapWorker {
   };
 
   static constexpr std::ptrdiff_t kHurry = 1, kLongestQueue = 3;  // keyframes that wait
+  static constexpr std::size_t kFirstDue = 15;                    // keyframes
   static constexpr std::chrono::milliseconds kLongestPause{50};
   static constexpr std::chrono::seconds kLongestWait{20};
 
@@ -89,11 +93,11 @@ class MapWorker {
   void take_out(const std::vector<MovingFeatures>& moving);
   void note(const std::vector<KeyframeObjects>& objects);
   void collect_erased();
+  bool whole_map_is_due() const;
   void adjust_whole_map(int submap);
   void apply_adjustment();
   void stop_adjustment();
 
-  const StereoCamera camera_;
   Map& map_;
   LocalMapper& mapper_;
   LoopCloser& loop_closer_;
@@ -110,6 +114,7 @@ class MapWorker {
 
   // The adjustment under way; owned by the worker's thread.
   std::unique_ptr<FullBundleAdjustment> adjustment_;
+  std::size_t due_keyframes_;  // with so many keyframes the whole map is adjusted again
   std::atomic<bool> stop_adjustment_{false};
   bool adjusted_ = false;  // guarded by mutex_: the adjustment can be applied
   std::thread adjuster_, thread_;

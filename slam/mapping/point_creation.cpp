@@ -123,8 +123,7 @@ class PairSearch {
 
 }  // namespace
 
-int create_stereo_points(const StereoCamera& camera, KeyFrame* keyframe, Map& map,
-                         const PointCreationSettings& settings) {
+int create_stereo_points(KeyFrame* keyframe, Map& map, const PointCreationSettings& settings) {
   const FrameFeatures& features = *keyframe->features;
   std::vector<std::pair<float, int>> by_depth;
   for (int i = 0; i < features.size(); ++i) {
@@ -136,25 +135,24 @@ int create_stereo_points(const StereoCamera& camera, KeyFrame* keyframe, Map& ma
   const SE3 T_wc = keyframe->T_cw.inverse();
   int seen = 0, created = 0;
   for (const auto& [depth, i] : by_depth) {
-    if (depth > close_depth(camera, settings) && seen >= settings.fewest_stereo_points) break;
+    if (depth > close_depth(map.camera(), settings) && seen >= settings.fewest_stereo_points) break;
     ++seen;
     if (!is_free(*keyframe, i)) continue;
     const Keypoint& k = features.keypoint(i);
-    map.add_point(T_wc * camera.back_project(k.u, k.v, depth), keyframe, i);
+    map.add_point(T_wc * map.camera().back_project(k.u, k.v, depth), keyframe, i);
     ++created;
   }
   return created;
 }
 
-int triangulate_with_neighbours(const StereoCamera& camera, KeyFrame* keyframe, Map& map,
-                                const PointCreationSettings& settings) {
+int triangulate_with_neighbours(KeyFrame* keyframe, Map& map, const PointCreationSettings& settings) {
   int created = 0, searched = 0;
   for (const Covisible& c : std::vector<Covisible>(keyframe->covisibles)) {
     if (searched++ >= settings.neighbours) break;
     const Eigen::Vector3d between =
         keyframe->T_cw.inverse().translation - c.keyframe->T_cw.inverse().translation;
-    if (between.norm() < camera.baseline) continue;  // stereo sees more parallax than this pair
-    const PairSearch search(camera, *keyframe, *c.keyframe, map.scales(), settings.nearest_depth);
+    if (between.norm() < map.camera().baseline) continue;  // stereo sees more parallax than this pair
+    const PairSearch search(map.camera(), *keyframe, *c.keyframe, map.scales(), settings.nearest_depth);
     for (int i = 0; i < keyframe->features->size(); ++i) {
       if (!is_free(*keyframe, i)) continue;
       const int j = search.partner(i);

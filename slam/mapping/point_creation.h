@@ -19,13 +19,11 @@ inline double close_depth(const StereoCamera& camera, const PointCreationSetting
 }
 
 // Points for features with stereo depth that show none yet, nearest first. Returns how many.
-int create_stereo_points(const StereoCamera& camera, KeyFrame* keyframe, Map& map,
-                         const PointCreationSettings& settings);
+int create_stereo_points(KeyFrame* keyframe, Map& map, const PointCreationSettings& settings);
 
 // Points for features that show none yet, here and in a covisible keyframe: the pair must be each other's
 // likeness (Hamming <= 50, ratio 0.8), lie on its epipolar line, have parallax, and reproject within the
 // chi-square gates. Returns how many.
-int triangulate_with_neighbours(const StereoCamera& camera, KeyFrame* keyframe, Map& map,
-                                const PointCreationSettings& settings);
+int triangulate_with_neighbours(KeyFrame* keyframe, Map& map, const PointCreationSettings& settings);
 
 }  // namespace penumbra::slam

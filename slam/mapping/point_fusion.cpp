@@ -5,8 +5,8 @@
 
 namespace penumbra::slam {
 
-int fuse_points(const StereoCamera& camera, Map& map, KeyFrame* keyframe,
-                const std::vector<MapPoint*>& points, float radius, bool keep_given) {
+int fuse_points(Map& map, KeyFrame* keyframe, const std::vector<MapPoint*>& points, float radius,
+                bool keep_given) {
   FrameMatcherSettings settings;
   settings.radius = radius;
   settings.max_distance = 50;
@@ -16,7 +16,7 @@ int fuse_points(const StereoCamera& camera, Map& map, KeyFrame* keyframe,
   for (std::size_t i = 0; i < points.size(); ++i) {
     MapPoint* point = points[i];
     if (point == nullptr || point->erased || observing_feature(*point, *keyframe) >= 0) continue;
-    std::optional<Projection> projection = project_point(camera, keyframe->T_cw, *point, map.scales());
+    std::optional<Projection> projection = project_point(map.camera(), keyframe->T_cw, *point, map.scales());
     if (!projection) continue;
     projection->source = static_cast<int>(i);
     projections.push_back(*projection);
@@ -26,7 +26,7 @@ int fuse_points(const StereoCamera& camera, Map& map, KeyFrame* keyframe,
     MapPoint* point = points[static_cast<std::size_t>(match.source)];
     if (point->erased) continue;
     const PixelMeasurement z = measurement_of(*keyframe->features, match.feature, map.scales());
-    const Eigen::Vector3d e = reprojection_error(camera, keyframe->T_cw * point->position, z);
+    const Eigen::Vector3d e = reprojection_error(map.camera(), keyframe->T_cw * point->position, z);
     if (e.squaredNorm() * z.inverse_variance > z.gate()) continue;
     ++found;
     MapPoint* present = keyframe->points[static_cast<std::size_t>(match.feature)];

@@ -12,7 +12,7 @@ namespace penumbra::slam {
 // `radius` pixels at level 0. A feature that looks alike and agrees within its chi-square gate becomes an
 // observation of the point; where it shows another point already, the two are merged into the one that more
 // keyframes observe, or, with `keep_given`, into the given one. Returns how many points were found.
-int fuse_points(const StereoCamera& camera, Map& map, KeyFrame* keyframe,
-                const std::vector<MapPoint*>& points, float radius, bool keep_given = false);
+int fuse_points(Map& map, KeyFrame* keyframe, const std::vector<MapPoint*>& points, float radius,
+                bool keep_given = false);
 
 }  // namespace penumbra::slam

@@ -1,6 +1,5 @@
 #include "slam/mapping/reduced_camera_system.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace penumbra::slam {
@@ -63,15 +62,12 @@ Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> ReducedCameraSystem::block(int a, 
                 [static_cast<std::size_t>(first_block_[static_cast<std::size_t>(a)] + at)];
 }
 
-bool ReducedCameraSystem::solve(const Eigen::VectorXd& right, Eigen::VectorXd& dx) {
-  dx = Eigen::VectorXd::Zero(6 * poses_);
+bool ReducedCameraSystem::factorise() {
   if (poses_ == 0) return true;
   if (!sparse_) {
     for (std::size_t p = 1; p < dense_.size(); ++p) dense_.front() += dense_[p];
-    const Eigen::LDLT<Eigen::MatrixXd, Eigen::Upper> factor(dense_.front());
-    if (factor.info() != Eigen::Success) return false;
-    dx = factor.solve(right);
-    return dx.allFinite();
+    dense_cholesky_.compute(dense_.front());
+    return dense_cholesky_.info() == Eigen::Success;
   }
   for (std::size_t p = 1; p < blocks_.size(); ++p) {
     for (std::size_t b = 0; b < blocks_[p].size(); ++b) blocks_.front()[b] += blocks_[p][b];
@@ -87,9 +83,13 @@ bool ReducedCameraSystem::solve(const Eigen::VectorXd& right, Eigen::VectorXd& d
     }
   }
   cholesky_.factorize(matrix_);
-  if (cholesky_.info() != Eigen::Success) return false;
-  dx = cholesky_.solve(right);
-  return dx.allFinite();
+  return cholesky_.info() == Eigen::Success;
+}
+
+Eigen::VectorXd ReducedCameraSystem::solve(const Eigen::VectorXd& right) const {
+  if (poses_ == 0) return right;
+  if (sparse_) return cholesky_.solve(right);
+  return dense_cholesky_.solve(right);
 }
 
 }  // namespace penumbra::slam

@@ -11,6 +11,7 @@
 // Source: Triggs et al., Bundle Adjustment - A Modern Synthesis (2000), section 6.2.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <vector>
@@ -33,12 +34,15 @@ class ReducedCameraSystem {
   Eigen::Ref<Matrix6d, 0, Eigen::OuterStride<>> block(int a, int b, int part = 0);
   // Of the sum of all parts, which is then in the first. False where S is not positive definite to working
   // precision.
-  bool solve(const Eigen::VectorXd& right, Eigen::VectorXd& dx);
+  bool factorise();
+  // dx of the S that was factorised.
+  Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
 
  private:
   int poses_ = 0;
   bool sparse_ = false;
-  std::vector<Eigen::MatrixXd> dense_;         // per part
+  std::vector<Eigen::MatrixXd> dense_;  // per part
+  Eigen::LDLT<Eigen::MatrixXd, Eigen::Upper> dense_cholesky_;
   std::vector<std::vector<int>> columns_;      // per row, ascending
   std::vector<int> first_block_;               // per row, its first block in blocks_
   std::vector<std::vector<Matrix6d>> blocks_;  // per part

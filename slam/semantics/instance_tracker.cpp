@@ -395,8 +395,8 @@ std::vector<KeyframeObjects> InstanceTracker::take_keyframe_objects() {
     for (const InstanceView& view : followed_[object].views) {
       const auto at = seen.find(view.frame);
       if (at == seen.end()) continue;
-      at->second.push_back({static_cast<int>(object), instances_[object].class_name, view.centre, view.region,
-                            stands(object)});
+      at->second.push_back({first_number_ + static_cast<int>(object), instances_[object].class_name,
+                            view.centre, view.region, stands(object)});
     }
   }
   std::vector<KeyframeObjects> changed;

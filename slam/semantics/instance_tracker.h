@@ -88,11 +88,13 @@ struct InstanceSighting {
 
 class InstanceTracker {
  public:
+  // `first_number`: of the objects as keyframes know them (SeenObject), TrackedInstance::id + first_number.
   InstanceTracker(const StereoCamera& camera, std::vector<double> scales,
-                  const InstanceTrackerSettings& settings)
+                  const InstanceTrackerSettings& settings, int first_number = 0)
       : camera_(camera),
         scales_(std::move(scales)),
         settings_(settings),
+        first_number_(first_number),
         companions_(camera, settings.companions) {}
 
   // Begins a frame. `T_step`: predicted motion from the last frame's camera to this one's. Marks features.
@@ -159,6 +161,7 @@ class InstanceTracker {
   const StereoCamera camera_;
   const std::vector<double> scales_;
   const InstanceTrackerSettings settings_;
+  const int first_number_;
   std::deque<FrameRecord> history_;
   std::vector<TrackedInstance> instances_;  // by id
   std::vector<Followed> followed_;          // the same order

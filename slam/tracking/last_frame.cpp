@@ -5,7 +5,6 @@
 
 #include "slam/features/descriptor_matcher.h"
 #include "slam/features/measurement.h"
-#include "slam/map/map.h"
 
 namespace penumbra::slam {
 
@@ -35,7 +34,7 @@ std::optional<Eigen::Vector3d> LastFrame::point(int feature) const {
   if (!features.has_stereo(feature)) return std::nullopt;
   const Keypoint& k = features.keypoint(feature);
   return frame_.T_cw.inverse() *
-         camera_.back_project(k.u, k.v, features.depth[static_cast<std::size_t>(feature)]);
+         map_.camera().back_project(k.u, k.v, features.depth[static_cast<std::size_t>(feature)]);
 }
 
 LoosePoint LastFrame::loose_point(int feature, int last_feature) const {
@@ -45,8 +44,8 @@ LoosePoint LastFrame::loose_point(int feature, int last_feature) const {
 
 std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
   const FrameFeatures& features = *frame_.features;
-  const int highest = static_cast<int>(scales_.size()) - 1;
-  const double step = highest > 0 ? std::log(scales_[1]) : 1.0;
+  const int highest = static_cast<int>(map_.scales().size()) - 1;
+  const double step = highest > 0 ? std::log(map_.scales()[1]) : 1.0;
   std::vector<Projection> projections;
   for (int i = 0; i < features.size(); ++i) {
     const std::optional<Eigen::Vector3d> point = this->point(i);
@@ -54,8 +53,8 @@ std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
     const Eigen::Vector3d p = T_cw * *point;
     if (!(p.z() > 0.0)) continue;
     const Keypoint& k = features.keypoint(i);
-    const Eigen::Vector3d pixel = camera_.project_stereo(p);
-    if (!camera_.in_image(pixel.head<2>())) continue;
+    const Eigen::Vector3d pixel = map_.camera().project_stereo(p);
+    if (!map_.camera().in_image(pixel.head<2>())) continue;
     const double nearer = (frame_.T_cw * *point).norm() / p.norm();
     const int level =
         std::clamp(k.level + static_cast<int>(std::lround(std::log(nearer) / step)), 0, highest);
@@ -85,7 +84,7 @@ std::vector<PoseObservation> LastFrame::match_anywhere(const FrameFeatures& feat
        match_descriptors(frame_.features->left.descriptors, features.left.descriptors, {})) {
     const std::optional<Eigen::Vector3d> point = this->point(match.source);
     if (!point || features.is_movable(match.feature)) continue;
-    observations.push_back({*point, measurement_of(features, match.feature, scales_)});
+    observations.push_back({*point, measurement_of(features, match.feature, map_.scales())});
   }
   return observations;
 }

@@ -11,7 +11,7 @@
 
 #include "slam/features/frame_matcher.h"
 #include "slam/features/mismatch_filter.h"
-#include "slam/map/keyframe.h"
+#include "slam/map/map.h"
 #include "slam/tracking/frame.h"
 #include "slam/tracking/pose_optimizer.h"
 
@@ -19,9 +19,7 @@ namespace penumbra::slam {
 
 class LastFrame {
  public:
-  // `scales`: level_scales of the pyramid.
-  LastFrame(const StereoCamera& camera, const std::vector<double>& scales)
-      : camera_(camera), scales_(scales) {}
+  explicit LastFrame(const Map& map) : map_(map) {}
 
   bool empty() const { return frame_.features == nullptr; }
   const SE3& T_cw() const { return frame_.T_cw; }
@@ -52,8 +50,7 @@ class LastFrame {
   std::vector<PoseObservation> match_anywhere(const FrameFeatures& features) const;
 
  private:
-  const StereoCamera camera_;
-  const std::vector<double>& scales_;
+  const Map& map_;
   Frame frame_;
   KeyFrame* keyframe_ = nullptr;  // what the frame has become, if it has
 };

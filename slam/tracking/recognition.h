@@ -33,9 +33,8 @@ struct RecognitionSettings {
 // The image's pose in the map, the keyframe that was recognised and the points that it shows; nothing where
 // no keyframe is proven. `last`: keyframes where the camera was last, best first; `index` holds keyframes of
 // `map`. The random draws depend on `seed` only. Needs the map's lock shared.
-std::optional<VerifiedPlace> recognise_image(const StereoCamera& camera, const Map& map,
-                                             const PlaceIndex& index, std::span<KeyFrame* const> last,
-                                             const FrameFeatures& features, std::uint64_t seed,
-                                             const RecognitionSettings& settings = {});
+std::optional<VerifiedPlace> recognise_image(const Map& map, const PlaceIndex& index,
+                                             std::span<KeyFrame* const> last, const FrameFeatures& features,
+                                             std::uint64_t seed, const RecognitionSettings& settings = {});
 
 }  // namespace penumbra::slam

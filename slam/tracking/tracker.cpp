@@ -168,10 +168,10 @@ std::optional<SE3> Tracker::pose_from_descriptors(const Frame& frame) const {
   ransac.seed = static_cast<std::uint64_t>(frame.index);
   ransac.fewest_inliers =
       is_covered(frame) ? settings_.fewest_occluded_inliers : settings_.fewest_frame_inliers;
-  const std::optional<PnpResult> pnp = solve_pnp_ransac(camera_, observations, ransac);
+  const std::optional<PnpResult> pnp = solve_pnp_ransac(map_.camera(), observations, ransac);
   if (!pnp) return std::nullopt;
-  return separate_motions(camera_, observations, optimize_pose(camera_, *pnp, observations), std::nullopt,
-                          ransac.seed, settings_.rigid_mover)
+  return separate_motions(map_.camera(), observations, optimize_pose(map_.camera(), *pnp, observations),
+                          std::nullopt, ransac.seed, settings_.rigid_mover)
       .world.T_cw;
 }
 
@@ -243,7 +243,7 @@ void Tracker::take(const Attempt& attempt, Frame& frame) {
 // to the left and right as a turn takes them.
 Tracker::Located Tracker::locate_by_turning(Frame& frame, const SE3& start, TrackingReport& report) {
   constexpr int kTurns = 5;
-  const double turn = 1.5 * settings_.search_radius / camera_.fx;
+  const double turn = 1.5 * settings_.search_radius / map_.camera().fx;
   int most = 0;
   SE3 best;
   const auto step_from = [&](const SE3& T_cw) {
@@ -286,8 +286,8 @@ Tracker::Located Tracker::locate_from_last_frame(Frame& frame, float radius, Tra
     observations.push_back(
         {*last_.point(match.source), measurement_of(*frame.features, match.feature, map_.scales())});
   }
-  const PoseEstimate estimate =
-      leave_out_mover(frame, observations, optimize_pose(camera_, frame.T_cw, observations, prior_), report);
+  const PoseEstimate estimate = leave_out_mover(
+      frame, observations, optimize_pose(map_.camera(), frame.T_cw, observations, prior_), report);
   const int fewest = is_covered(frame) ? settings_.fewest_occluded_inliers : settings_.fewest_frame_inliers;
   if (estimate.inliers < fewest) return {};
   frame.T_cw = estimate.T_cw;
@@ -321,7 +321,7 @@ std::vector<Match> Tracker::filter_matches(const std::vector<Match>& matches,
 PoseEstimate Tracker::leave_out_mover(Frame& frame, std::span<const PoseObservation> observations,
                                       const PoseEstimate& estimate, TrackingReport& report) const {
   const std::optional<SE3> predicted = motion_.known() ? std::optional<SE3>(frame.T_cw) : std::nullopt;
-  SeparatedMotions motions = separate_motions(camera_, observations, estimate, predicted,
+  SeparatedMotions motions = separate_motions(map_.camera(), observations, estimate, predicted,
                                               static_cast<std::uint64_t>(frame.index), settings_.rigid_mover);
   if (motions.mover) mark_mover(motions, *frame.features);
   report.mover = std::move(motions.mover);
@@ -348,7 +348,7 @@ Tracker::Located Tracker::recognise(Frame& frame) {
   {
     const auto scope = timer_.measure("recognise");
     std::optional<VerifiedPlace> found =
-        recognise_image(camera_, map_, index_, keyframes_near(), *frame.features,
+        recognise_image(map_, index_, keyframes_near(), *frame.features,
                         static_cast<std::uint64_t>(frame.index), settings_.recognition);
     if (!found) return {};
     frame.T_cw = found->T_cw;
@@ -363,10 +363,10 @@ Tracker::Located Tracker::locate_in_local_map(Frame& frame) {
   const std::vector<double>& scales = map_.scales();
   const LocalMap local = collect_local_map(frame, reference_, settings_.local_keyframes);
   reference_ = local.reference;
-  looked_for_ = match_map_points(camera_, scales, local.points, settings_.map_search_radius, frame);
-  const std::vector<PoseObservation> observations = refine_observations(camera_, scales, loose_, frame);
-  const PoseEstimate estimate = optimize_pose(camera_, frame.T_cw, observations, prior_);
-  const int inliers = keep_agreeing(camera_, scales, observations, estimate, frame);
+  looked_for_ = match_map_points(map_.camera(), scales, local.points, settings_.map_search_radius, frame);
+  const std::vector<PoseObservation> observations = refine_observations(map_.camera(), scales, loose_, frame);
+  const PoseEstimate estimate = optimize_pose(map_.camera(), frame.T_cw, observations, prior_);
+  const int inliers = keep_agreeing(map_.camera(), scales, observations, estimate, frame);
   const int fewest = is_covered(frame) ? settings_.fewest_occluded_inliers : settings_.fewest_map_inliers;
   if (inliers < fewest) return {};
   frame.T_cw = estimate.T_cw;

@@ -81,15 +81,13 @@ struct TrackingReport {
 
 class Tracker {
  public:
-  Tracker(const StereoCamera& camera, Map& map, const PlaceIndex& index, const TrackerSettings& settings,
-          StageTimer& timer)
-      : camera_(camera),
-        map_(map),
+  Tracker(Map& map, const PlaceIndex& index, const TrackerSettings& settings, StageTimer& timer)
+      : map_(map),
         index_(index),
         settings_(settings),
         timer_(timer),
         first_own_keyframe_(map.next_keyframe_id()),
-        last_(camera, map.scales()),
+        last_(map),
         sharpness_(settings.least_sharpness) {}
 
   // Locates `frame` (its features are given): fills pose, points and reference.
@@ -154,7 +152,6 @@ class Tracker {
   bool sharp_enough(const Frame& frame, bool wanted);
   void finish(Frame& frame, bool located);
 
-  const StereoCamera camera_;
   Map& map_;
   const PlaceIndex& index_;
   const TrackerSettings settings_;

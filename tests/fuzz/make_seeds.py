@@ -232,13 +232,19 @@ def coco_result_files():
 
 
 def map_files():
-    camera = struct.pack("<5d2i", 718.0, 718.0, 607.0, 185.0, 0.54, 1241, 376)
+    def camera(offset=0.1):
+        return struct.pack("<6d2i", 718.0, 718.0, 607.0, 185.0, 0.54, offset, 1241, 376)
+
     levels = struct.pack("<I2d", 2, 1.0, 1.2)
     pose = struct.pack("<12d", 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0)
 
-    def keyframe(frame, pose=pose, u=100.0, level=1, submap=0):
+    def thing(number=4, width=30, stands=1):
+        return struct.pack("<iI3s3d4iB", number, 3, b"car", 1.0, 0.5, 9.0, 10, -4, width, 40, stands)
+
+    def keyframe(frame, pose=pose, u=100.0, level=1, submap=0, things=()):
         feature = struct.pack("<ffiff32sff", u, 50.0, level, 0.1, 9.0, bytes(32), 60.0, 9.7)
-        return struct.pack("<id", frame, 0.1 * frame) + pose + struct.pack("<iI", submap, 1) + feature + bytes(4)
+        return struct.pack("<id", frame, 0.1 * frame) + pose + struct.pack("<iI", submap, 1) + feature + bytes(4) + \
+            struct.pack("<I", len(things)) + b"".join(things)
 
     def patch(level=1, depth=9.7):
         return struct.pack("<id2f", level, depth, 0.1, -0.2) + bytes(225)
@@ -247,7 +253,7 @@ def map_files():
         head = struct.pack("<3d2i", x, 0.0, 9.7, 3, 2) + bytes(3) + patch + struct.pack("<I", len(observations))
         return head + b"".join(struct.pack("<IIB", k, f, aligned) for k, f in observations)
 
-    def file(keyframes, points, version=2, levels=levels):
+    def file(keyframes, points, version=3, levels=levels, camera=camera()):
         body = camera + levels + struct.pack("<I", len(keyframes)) + b"".join(keyframes)
         body += struct.pack("<I", len(points)) + b"".join(points)
         return b"PENUMAP\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
@@ -256,7 +262,12 @@ def map_files():
     yield "valid_two", file(two, [point((0, 0), (1, 0))])
     yield "valid_patch", file(two, [point((0, 0), (1, 0), patch=patch(), aligned=0)])
     yield "valid_empty", file([], [])
+    yield "valid_objects", file([keyframe(0, things=[thing(), thing(5)])], [])
+    yield "bad_object", file([keyframe(0, things=[thing(number=-1)])], [])
+    yield "bad_region", file([keyframe(0, things=[thing(width=1 << 30)])], [])
+    yield "bad_object_mark", file([keyframe(0, things=[thing(stands=2)])], [])
     yield "bad_version", file(two, [], version=1)
+    yield "bad_disparity_offset", file(two, [], camera=camera(offset=2000.0))
     yield "bad_submap", file([keyframe(0, submap=-1)], [])
     yield "bad_patch_level", file(two, [point((0, 0), patch=patch(level=2))])
     yield "bad_patch_depth", file(two, [point((0, 0), patch=patch(depth=-1.0))])

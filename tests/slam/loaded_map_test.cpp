@@ -22,10 +22,10 @@ class LoadedMap : public ::testing::Test {
     drive(slam, 0.0, 50.0);
     slam.finish();
     saved_keyframes = slam.map().keyframes().size();
-    write_map(path, world.camera(), slam.map());
+    write_map(path, slam.map());
     truth.clear();
   }
-  std::unique_ptr<Map> load() const { return read_map(path).map; }
+  std::unique_ptr<Map> load() const { return read_map(path); }
   void drive(Slam& slam, double from, double to) {
     for (double steps = from; steps < to; steps += 1.0) {
       const SE3 T_cw = world.T_cw(steps);
@@ -57,7 +57,7 @@ TEST_F(LoadedMap, IsFoundOnesWayInFromTheFirstFrameAndStaysAsItIs) {
   EXPECT_EQ(slam.lost(), 0);
   for (const std::size_t frame : {0U, 10U, 19U, 22U, 29U}) EXPECT_LT(error(slam, frame), 0.2) << frame;
   EXPECT_TRUE(slam.keyframe_trajectory().empty());
-  write_map(folder / "after.map", world.camera(), slam.map());
+  write_map(folder / "after.map", slam.map());
   EXPECT_EQ(nn::read_file(path, ""), nn::read_file(folder / "after.map", ""));
 }
 
@@ -82,7 +82,7 @@ TEST_F(LoadedMap, IsGoneOnWith) {
   EXPECT_EQ(slam.submaps().size(), 1U);
   EXPECT_FALSE(slam.keyframe_trajectory().empty());
   EXPECT_LT(slam.keyframe_trajectory().size(), slam.map().keyframes().size());
-  write_map(path, world.camera(), slam.map());
+  write_map(path, slam.map());
   EXPECT_EQ(load()->keyframes().size(), slam.map().keyframes().size());
 }
 
@@ -104,8 +104,9 @@ TEST_F(LoadedMap, OfAnotherPyramidOrNoneIsRefused) {
   settings = {};
   settings.localise = true;
   expect_error<InputError>([&] { Slam(world.camera(), settings); }, {"localisation", "none"});
-  expect_error<InputError>([&] { Slam(world.camera(), settings, {}, std::make_unique<Map>(world.scales())); },
-                           {"localisation", "an empty one"});
+  expect_error<InputError>(
+      [&] { Slam(world.camera(), settings, {}, std::make_unique<Map>(world.camera(), world.scales())); },
+      {"localisation", "an empty one"});
 }
 
 }  // namespace

@@ -246,17 +246,17 @@ SegmentDrift drift_on(const std::filesystem::path& folder, const SlamSettings& s
   return kitti_metrics(*dataset->ground_truth(), slam.trajectory(), {10.0, 20.0, 30.0, 40.0, 50.0}).overall;
 }
 
-TEST(SlamRealData, DriftOnKitti00StaysBelowThreePerCent) {
+TEST(SlamRealData, DriftOnKitti00StaysBelowTwoPointSevenPerCent) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/00");
   int lost = 0;
-  EXPECT_LE(drift_on(folder, {}, lost).translation, 3.0);
+  EXPECT_LE(drift_on(folder, {}, lost).translation, 2.7);
   EXPECT_EQ(lost, 0);
 }
 
-TEST(SlamRealData, DriftOnKitti06StaysBelowOnePerCent) {
+TEST(SlamRealData, DriftOnKitti06StaysBelowPointEightPerCent) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
   int lost = 0;
-  EXPECT_LE(drift_on(folder, {}, lost).translation, 1.0);
+  EXPECT_LE(drift_on(folder, {}, lost).translation, 0.8);
   EXPECT_EQ(lost, 0);
 }
 

@@ -25,7 +25,7 @@ void require_sound(const slam::Map& map) {
 
 bool read(const std::string& bytes) {
   const MemoryFile file(bytes);
-  return is_read([&] { require_sound(*slam::read_map(file.path()).map); });
+  return is_read([&] { require_sound(*slam::read_map(file.path())); });
 }
 
 }  // namespace

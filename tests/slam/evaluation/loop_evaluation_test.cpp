@@ -104,7 +104,7 @@ TEST(LoopEvaluation, RefusesFramesThatTheGroundTruthLacks) {
 // A lap and a half through the made-up world: 50 keyframes come by again, and the index knows them all.
 TEST(PlaceIndexEvaluation, FindsEveryRevisitOfAWorldWithoutLookalikes) {
   const test::FeatureWorld world;
-  Map map(world.scales());
+  Map map(world.camera(), world.scales());
   test::DriftingDrive drive(world, map, Vector6d::Zero());
   Trajectory truth;
   for (int k = 0; k < 150; ++k) {

@@ -39,9 +39,9 @@ class RingRoad : public ::testing::Test {
   }
 
   test::FeatureWorld world;
-  Map map{world.scales()};
+  Map map{world.camera(), world.scales()};
   PlaceIndex index;
-  LoopCloser closer{world.camera(), map, index, {}};
+  LoopCloser closer{map, index, {}};
   std::vector<double> steps_of, closed_at;
 };
 
@@ -116,9 +116,9 @@ TEST_F(RingRoad, RecognisesAMapThatWasLoaded) {
 TEST_F(RingRoad, RepeatsBitForBit) {
   test::DriftingDrive drive(world, map, drift(6.0));
   drive_on(drive, 0.0, kLap + 8.0);
-  Map map2(world.scales());
+  Map map2(world.camera(), world.scales());
   PlaceIndex index2;
-  LoopCloser closer2(world.camera(), map2, index2, {});
+  LoopCloser closer2(map2, index2, {});
   test::DriftingDrive drive2(world, map2, drift(6.0));
   for (int k = 0; k < kLap + 8; ++k) closer2.process(drive2.add_keyframe(k));
   ASSERT_EQ(map.keyframes().size(), map2.keyframes().size());
@@ -130,7 +130,7 @@ TEST_F(RingRoad, RepeatsBitForBit) {
 TEST_F(RingRoad, WithoutLoopsStillRemembersPlaces) {
   LoopCloserSettings settings;
   settings.enabled = false;
-  LoopCloser off(world.camera(), map, index, settings);
+  LoopCloser off(map, index, settings);
   test::DriftingDrive drive(world, map, drift(6.0));
   for (int k = 0; k < kLap + 8; ++k) EXPECT_FALSE(off.process(drive.add_keyframe(k)));
   EXPECT_GT(index.keyframes(), kLap - 10);

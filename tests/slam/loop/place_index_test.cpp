@@ -36,7 +36,7 @@ std::shared_ptr<FrameFeatures> view_of(int place, double noise, std::uint64_t se
 // A map whose keyframe `i` shows place `i`; every feature shows a point.
 class Places {
  public:
-  Places() : map({1.0}) {}
+  Places() : map(StereoCamera(), {1.0}) {}
   KeyFrame* add(const std::shared_ptr<FrameFeatures>& features) {
     KeyFrame* keyframe = map.add_keyframe(static_cast<int>(map.keyframes().size()), 0.0, SE3{}, features);
     for (int i = 0; i < features->size(); ++i) map.add_point({0.0, 0.0, 10.0}, keyframe, i);

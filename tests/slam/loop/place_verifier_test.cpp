@@ -47,11 +47,11 @@ class PlaceVerifier : public ::testing::Test {
 
   std::optional<VerifiedPlace> verify(const FrameFeatures& features, const Constellation& around,
                                       const PlaceVerifierSettings& settings = {}) const {
-    return verify_place(world.camera(), map, features, keyframe, 1, settings, around);
+    return verify_place(map, features, keyframe, 1, settings, around);
   }
 
   test::FeatureWorld world;
-  Map map{world.scales()};
+  Map map{world.camera(), world.scales()};
   const SE3 T_cw = world.T_cw(10.3);
   KeyFrame* keyframe = nullptr;
   Constellation objects;  // around the image

@@ -68,7 +68,7 @@ class MapOfThree : public ::testing::Test {
     }
   }
 
-  Map map{std::vector<double>{1.0, 1.2, 1.44}};
+  Map map{test::test_camera(), {1.0, 1.2, 1.44}};
   std::vector<KeyFrame*> keyframes;
   std::vector<MapPoint*> points;
 };

@@ -48,7 +48,8 @@ void disturb(BundleProblem& problem) {
   for (Eigen::Vector3d& p : problem.points) p += Eigen::Vector3d(noise(random), noise(random), noise(random));
 }
 
-// All weighted errors of the problem in one vector, after moving the free poses and the points by `x`.
+// All weighted errors of the problem in one vector, the prior's of the disparity offset last, after moving
+// the free poses, the points and, where it is adjusted, the offset by `x`.
 Eigen::VectorXd errors(const BundleProblem& problem, const Eigen::VectorXd& x) {
   std::vector<SE3> poses = problem.poses;
   int at = 0;
@@ -57,21 +58,23 @@ Eigen::VectorXd errors(const BundleProblem& problem, const Eigen::VectorXd& x) {
     poses[i] = SE3::exp(x.segment<6>(at)) * poses[i];
     at += 6;
   }
-  Eigen::VectorXd e(3 * static_cast<int>(problem.observations.size()));
+  StereoCamera camera = problem.camera;
+  const bool adjusts_offset = problem.disparity_offset_sigma > 0.0;
+  if (adjusts_offset) camera.disparity_offset += x[x.size() - 1];
+  Eigen::VectorXd e(3 * static_cast<int>(problem.observations.size()) + adjusts_offset);
+  if (adjusts_offset) e[e.size() - 1] = camera.disparity_offset / problem.disparity_offset_sigma;
   for (std::size_t k = 0; k < problem.observations.size(); ++k) {
     const BundleObservation& o = problem.observations[k];
     const Eigen::Vector3d X = problem.points[std::size_t(o.point)] + x.segment<3>(at + 3 * o.point);
-    e.segment<3>(3 * int(k)) =
-        reprojection_error(problem.camera, poses[std::size_t(o.pose)] * X, o.measurement) *
-        std::sqrt(o.measurement.inverse_variance);
+    e.segment<3>(3 * int(k)) = reprojection_error(camera, poses[std::size_t(o.pose)] * X, o.measurement) *
+                               std::sqrt(o.measurement.inverse_variance);
   }
   return e;
 }
 
-TEST(BundleAdjustment, StepEqualsTheDenseSolutionWithNumericDerivatives) {
-  BundleProblem problem = make_problem(4, 12, 0.5);
-  disturb(problem);
-  const int n = 6 * 3 + 3 * 12;
+void expect_step_of_dense_solution(const BundleProblem& problem) {
+  const bool adjusts_offset = problem.disparity_offset_sigma > 0.0;
+  const int n = 6 * 3 + 3 * 12 + adjusts_offset;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n), e = errors(problem, zero);
   Eigen::MatrixXd J(e.size(), n);
   const double h = 1e-6;
@@ -93,6 +96,46 @@ TEST(BundleAdjustment, StepEqualsTheDenseSolutionWithNumericDerivatives) {
   for (int j = 0; j < 12; ++j) {
     EXPECT_LT((step.points[std::size_t(j)] - dense.segment<3>(18 + 3 * j)).norm(), 1e-5 * dense.norm());
   }
+  if (adjusts_offset) {
+    EXPECT_NEAR(step.disparity_offset, dense[n - 1], 1e-5 * dense.norm());
+  } else {
+    EXPECT_EQ(step.disparity_offset, 0.0);
+  }
+}
+
+TEST(BundleAdjustment, StepEqualsTheDenseSolutionWithNumericDerivatives) {
+  BundleProblem problem = make_problem(4, 12, 0.5);
+  disturb(problem);
+  expect_step_of_dense_solution(problem);
+  problem.camera.disparity_offset = 0.3;
+  expect_step_of_dense_solution(problem);
+  problem.disparity_offset_sigma = 0.2;
+  expect_step_of_dense_solution(problem);
+}
+
+TEST(BundleAdjustment, FindsTheDisparityOffset) {
+  for (const double offset : {-0.4, 0.0, 0.2}) {
+    BundleProblem problem = make_problem(6, 200, 0.3);
+    for (BundleObservation& o : problem.observations) o.measurement.pixel.z() -= offset;
+    BundleProblem unaware = problem;
+    disturb(problem);
+    problem.disparity_offset_sigma = 1.0;  // a prior that hardly counts
+    BundleSettings settings;
+    settings.iterations = 40;
+    settings.converged = 0.0;
+    solve_bundle(problem, settings);
+    EXPECT_NEAR(problem.camera.disparity_offset, offset, 0.05);
+    solve_bundle(unaware, settings);
+    EXPECT_EQ(unaware.camera.disparity_offset, 0.0);
+  }
+}
+
+TEST(BundleAdjustment, KeepsToThePriorWhereNothingShowsTheDisparityOffset) {
+  BundleProblem problem = make_problem(3, 30, 0.3);
+  problem.disparity_offset_sigma = 0.1;
+  for (BundleObservation& o : problem.observations) o.measurement.stereo = false;
+  solve_bundle(problem, {});
+  EXPECT_EQ(problem.camera.disparity_offset, 0.0);
 }
 
 TEST(BundleAdjustment, ConvergesToTheTruthOnExactData) {
@@ -147,6 +190,7 @@ TEST(BundleAdjustment, NeverRaisesTheCostAndKeepsFixedPoses) {
 
 TEST(BundleAdjustment, IsTheSameForAnyNumberOfThreads) {
   BundleProblem problem = make_problem(8, 3400, 0.5);
+  problem.disparity_offset_sigma = 0.3;
   disturb(problem);
   ASSERT_GE(problem.observations.size(), kBundleWorthThreads);
   BundleSettings settings;
@@ -157,6 +201,7 @@ TEST(BundleAdjustment, IsTheSameForAnyNumberOfThreads) {
     settings.threads = threads;
     BundleProblem shared = problem;
     EXPECT_EQ(solve_bundle(shared, settings).final_cost, summary.final_cost);
+    EXPECT_EQ(shared.camera.disparity_offset, alone.camera.disparity_offset);
     for (std::size_t i = 0; i < alone.poses.size(); ++i) {
       ASSERT_EQ(shared.poses[i].translation, alone.poses[i].translation) << threads;
       ASSERT_EQ(shared.poses[i].rotation, alone.poses[i].rotation) << threads;

@@ -25,7 +25,7 @@ class Newcomers : public ::testing::Test {
     }
   }
   test::FeatureWorld world;
-  Map map{world.scales()};
+  Map map{world.camera(), world.scales()};
   KeyFrame* last = nullptr;
   PosesBefore before;
 };
@@ -67,11 +67,11 @@ TEST_F(Newcomers, LocalAdjustmentInAHurryTakesNothingOutOfTheMap) {
   KeyFrame* centre = map.keyframes().back();
   centre->T_cw.translation.x() += 0.05;
   std::atomic<bool> stop{true};
-  const LocalBundleReport hurried = adjust_local_bundle(world.camera(), centre, map, {}, nullptr, &stop);
+  const LocalBundleReport hurried = adjust_local_bundle(centre, map, {}, nullptr, &stop);
   EXPECT_TRUE(hurried.stopped);
   EXPECT_EQ(hurried.removed_observations, 0);
   stop = false;
-  const LocalBundleReport report = adjust_local_bundle(world.camera(), centre, map, {}, nullptr, &stop);
+  const LocalBundleReport report = adjust_local_bundle(centre, map, {}, nullptr, &stop);
   EXPECT_FALSE(report.stopped);
   EXPECT_LT((centre->T_cw.inverse().translation - world.T_cw(9).inverse().translation).norm(), 0.02);
 }

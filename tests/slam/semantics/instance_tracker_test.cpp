@@ -86,8 +86,8 @@ SE3 ahead() {
 
 class Drive {
  public:
-  Drive(double box_speed, const InstanceTrackerSettings& settings = {})
-      : street(box_speed), tracker(street.camera(), level_scales({}), settings) {}
+  Drive(double box_speed, const InstanceTrackerSettings& settings = {}, int first_number = 0)
+      : street(box_speed), tracker(street.camera(), level_scales({}), settings, first_number) {}
   void to(int frames) {
     for (; frame < frames; ++frame) {
       newest = street.features(frame);
@@ -175,7 +175,7 @@ TEST(InstanceTracker, TellsTheMapWhatMovedInAKeyframe) {
 
 TEST(InstanceTracker, TellsTheMapTheObjectsOfAKeyframe) {
   for (const double speed : {0.0, 8.0}) {
-    Drive drive(speed, masks_only());
+    Drive drive(speed, masks_only(), 7);
     KeyFrame keyframe;
     drive.to(6);
     drive.tracker.set_keyframe(&keyframe);
@@ -189,6 +189,7 @@ TEST(InstanceTracker, TellsTheMapTheObjectsOfAKeyframe) {
     EXPECT_EQ(told[0].keyframe, &keyframe);
     ASSERT_EQ(told[0].objects.size(), 1U);
     const SeenObject& car = told[0].objects[0];
+    EXPECT_EQ(car.number, 7);
     EXPECT_EQ(car.class_name, "car");
     EXPECT_NEAR(car.position.z(), drive.street.box(5).z(), 0.5);
     EXPECT_EQ(car.region, drive.street.instance(5, "car").region);

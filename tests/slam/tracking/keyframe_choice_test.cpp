@@ -48,7 +48,7 @@ class KeyframeChoice : public ::testing::Test {
     return becomes_keyframe(f, *keyframe, frames_since, settings);
   }
 
-  Map map{std::vector<double>{1.0}};
+  Map map{StereoCamera(), {1.0}};
   KeyFrame* keyframe;
   KeyframeSettings settings{
       .least_similarity = 0.4, .least_close_share = 0.3, .close_depth = 20.0, .longest_gap = 20};

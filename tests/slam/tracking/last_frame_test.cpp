@@ -10,7 +10,7 @@ namespace {
 
 class LastFrameTest : public ::testing::Test {
  protected:
-  LastFrameTest() : last(world.camera(), map.scales()) {
+  LastFrameTest() : last(map) {
     frame.T_cw = world.T_cw(3.0);
     frame.features = world.view(frame.T_cw, 1, seen);
     frame.points.assign(static_cast<std::size_t>(frame.features->size()), nullptr);
@@ -23,7 +23,7 @@ class LastFrameTest : public ::testing::Test {
   }
 
   test::FeatureWorld world;
-  Map map{world.scales()};
+  Map map{world.camera(), world.scales()};
   ImagePyramid pyramid;  // without images: no patches
   std::vector<int> seen;
   Frame frame;

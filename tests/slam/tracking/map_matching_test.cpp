@@ -35,7 +35,7 @@ class MapMatching : public ::testing::Test {
   }
 
   test::FeatureWorld world;
-  Map map{world.scales()};
+  Map map{world.camera(), world.scales()};
   ImagePyramid pyramid;  // without images: nothing is aligned
   std::vector<int> seen;
   std::vector<MapPoint*> points;

@@ -16,12 +16,12 @@ class Recognition : public ::testing::Test {
   }
   std::optional<VerifiedPlace> recognise(const FrameFeatures& features,
                                          const RecognitionSettings& settings = {}) const {
-    return recognise_image(world.camera(), map, index, last(), features, 1, settings);
+    return recognise_image(map, index, last(), features, 1, settings);
   }
   std::vector<KeyFrame*> last() const { return {map.keyframes().rbegin(), map.keyframes().rend()}; }
 
   test::FeatureWorld world;
-  Map map{world.scales()};
+  Map map{world.camera(), world.scales()};
   test::DriftingDrive drive{world, map, Vector6d::Zero()};
   PlaceIndex index;
   std::vector<int> seen;
@@ -41,12 +41,10 @@ TEST_F(Recognition, FindsTheCameraAnywhereInTheMap) {
 
 TEST_F(Recognition, FindsTheLastKeyframesWithoutTheIndex) {
   const PlaceIndex empty;
-  const auto near =
-      recognise_image(world.camera(), map, empty, last(), *world.view(world.T_cw(98.4), 7, seen), 1);
+  const auto near = recognise_image(map, empty, last(), *world.view(world.T_cw(98.4), 7, seen), 1);
   ASSERT_TRUE(near);
   EXPECT_GE(near->keyframe->id, 95);
-  EXPECT_FALSE(
-      recognise_image(world.camera(), map, empty, last(), *world.view(world.T_cw(50.0), 7, seen), 1));
+  EXPECT_FALSE(recognise_image(map, empty, last(), *world.view(world.T_cw(50.0), 7, seen), 1));
 }
 
 TEST_F(Recognition, FindsNothingInAnotherWorld) {
@@ -58,8 +56,8 @@ TEST_F(Recognition, FindsNothingInAnotherWorld) {
 
 TEST_F(Recognition, FindsNothingInAnImageOrAMapWithoutFeatures) {
   EXPECT_FALSE(recognise(FrameFeatures{}));
-  const Map empty(world.scales());
-  EXPECT_FALSE(recognise_image(world.camera(), empty, PlaceIndex{}, {}, *world.view(SE3{}, 7, seen), 1));
+  const Map empty(world.camera(), world.scales());
+  EXPECT_FALSE(recognise_image(empty, PlaceIndex{}, {}, *world.view(SE3{}, 7, seen), 1));
 }
 
 }  // namespace

@@ -1,79 +1,29 @@
-#include "slam/map/map_file.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "nn/base/byte_stream.h"
 #include "nn/io/crc32.h"
 #include "nn/io/file.h"
 #include "nn/io/image_container.h"
+#include "slam/map/map_file.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-constexpr std::string_view kMagic = "PENUMAP\n";
 constexpr std::size_t kHeaderBytes = 8 + 4 + 4 + 8;
 constexpr std::uint32_t kMostLevels = 64;
 
 using Colour = std::array<std::uint8_t, 3>;
 static_assert(sizeof(Keypoint) == 20 && sizeof(Descriptor) == 32 && sizeof(Colour) == 3);
 constexpr std::size_t kFeatureBytes = 20 + 32 + 4 + 4 + 1 + 3;
-constexpr std::size_t kKeyframeBytes = 4 + 8 + 12 * 8 + 4 + 4;  // without features
-constexpr std::size_t kPointBytes = 24 + 8 + 3 + 4 + 4;         // without patch and observations
+constexpr std::size_t kKeyframeBytes = 4 + 8 + 12 * 8 + 4 + 4 + 4;  // without features and objects
+constexpr std::size_t kObjectBytes = 4 + 4 + 24 + 16 + 1;           // without its class name
+constexpr std::size_t kPointBytes = 24 + 8 + 3 + 4 + 4;             // without patch and observations
 constexpr std::size_t kObservationBytes = 4 + 4 + 1;
-constexpr int kMostSubmaps = 1 << 30;
-
-void put_camera(ByteWriter& out, const StereoCamera& c) {
-  for (const double value : {c.fx, c.fy, c.cx, c.cy, c.baseline}) out.put(value);
-  for (const std::int32_t value : {c.width, c.height}) out.put(value);
-}
-
-void put_pose(ByteWriter& out, const SE3& T) {
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) out.put(T.rotation(row, column));
-  }
-  for (int row = 0; row < 3; ++row) out.put(T.translation[row]);
-}
-
-void put_keyframe(ByteWriter& out, const KeyFrame& keyframe) {
-  out.put<std::int32_t>(keyframe.frame_index);
-  out.put(keyframe.timestamp);
-  put_pose(out, keyframe.T_cw);
-  out.put<std::int32_t>(keyframe.submap);
-  const FrameFeatures& f = *keyframe.features;
-  out.put(static_cast<std::uint32_t>(f.size()));
-  out.put_array(std::span(f.left.keypoints));
-  out.put_array(std::span(f.left.descriptors));
-  out.put_array(std::span(f.u_right));
-  out.put_array(std::span(f.depth));
-  out.put_array(std::span<const char>(f.movable));
-  out.put_array(std::span(f.colour));
-}
-
-void put_patch(ByteWriter& out, const MapPoint& point) {
-  const bool is_usable = !point.patch.empty() && point.patch_depth > 0.0;
-  out.put<std::int32_t>(is_usable ? point.patch.level : -1);
-  if (!is_usable) return;
-  out.put(point.patch_depth);
-  for (int i = 0; i < 2; ++i) out.put(point.patch.offset[i]);
-  out.put(point.patch.pixels);
-}
-
-void put_point(ByteWriter& out, const MapPoint& point, const std::vector<std::uint32_t>& place_of) {
-  for (int i = 0; i < 3; ++i) out.put(point.position[i]);
-  out.put<std::int32_t>(point.visible);
-  out.put<std::int32_t>(point.found);
-  out.put(point.colour);
-  put_patch(out, point);
-  out.put(static_cast<std::uint32_t>(point.observations.size()));
-  for (const Observation& o : point.observations) {
-    out.put(place_of[static_cast<std::size_t>(o.keyframe->id)]);
-    out.put(static_cast<std::uint32_t>(o.feature));
-    out.put(o.keyframe->aligned[static_cast<std::size_t>(o.feature)]);
-  }
-}
+constexpr int kMostSubmaps = 1 << 30, kMostObjects = 1 << 30;
 
 [[noreturn]] void throw_invalid(const ByteReader& in, std::string_view expected, std::string_view found) {
   throw InputError(fmt::format("before {}", in.here()), expected, found);
@@ -87,14 +37,16 @@ double get_finite(ByteReader& in, std::string_view what) {
 
 StereoCamera get_camera(ByteReader& in) {
   StereoCamera c;
-  for (double* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.baseline}) *value = get_finite(in, "camera parameter");
+  for (double* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.baseline, &c.disparity_offset})
+    *value = get_finite(in, "camera parameter");
   c.width = in.get<std::int32_t>("image width");
   c.height = in.get<std::int32_t>("image height");
   if (!(c.fx > 0.0 && c.fy > 0.0 && c.baseline > 0.0 && c.width > 0 && c.height > 0 &&
+        std::abs(c.disparity_offset) < c.width &&
         static_cast<std::int64_t>(c.width) * c.height <= nn::kMaxImagePixels)) {
-    throw_invalid(
-        in, "focal lengths, baseline and image size above zero, and an image that can be",
-        fmt::format("fx {} fy {} baseline {} size {}x{}", c.fx, c.fy, c.baseline, c.width, c.height));
+    throw_invalid(in, "focal lengths, baseline and image size above zero, and an image that can be",
+                  fmt::format("fx {} fy {} baseline {} disparity offset {} size {}x{}", c.fx, c.fy,
+                              c.baseline, c.disparity_offset, c.width, c.height));
   }
   return c;
 }
@@ -146,7 +98,28 @@ void check_features(const ByteReader& in, const FrameFeatures& f, const StereoCa
   }
 }
 
-void get_keyframe(ByteReader& in, const StereoCamera& camera, Map& map) {
+SeenObject get_object(ByteReader& in) {
+  SeenObject object;
+  object.number = in.get<std::int32_t>("number of an object");
+  const std::vector<char> name = in.get_array<char>(in.get_count(1, "class name"), "class name");
+  object.class_name.assign(name.begin(), name.end());
+  for (int i = 0; i < 3; ++i) object.position[i] = get_finite(in, "position of an object");
+  cv::Rect& r = object.region;
+  for (int* value : {&r.x, &r.y, &r.width, &r.height}) *value = in.get<std::int32_t>("region of an object");
+  const char stands = in.get<char>("mark of what stands");
+  constexpr int kFarthest = 1 << 20;  // pixels: sums of them are numbers
+  const bool is_region = std::abs(std::int64_t{r.x}) < kFarthest && std::abs(std::int64_t{r.y}) < kFarthest &&
+                         r.width >= 0 && r.width < kFarthest && r.height >= 0 && r.height < kFarthest;
+  if (object.number < 0 || object.number >= kMostObjects || !is_region || stands < 0 || stands > 1) {
+    throw_invalid(in, "an object with a number and a region of the image",
+                  fmt::format("number {}, region {}x{} at ({}, {}), mark {}", object.number, r.width,
+                              r.height, r.x, r.y, static_cast<int>(stands)));
+  }
+  object.stands = stands != 0;
+  return object;
+}
+
+void get_keyframe(ByteReader& in, Map& map) {
   const int frame_index = in.get<std::int32_t>("frame number");
   const double timestamp = get_finite(in, "timestamp");
   const SE3 T_cw = get_pose(in);
@@ -161,10 +134,12 @@ void get_keyframe(ByteReader& in, const StereoCamera& camera, Map& map) {
   f->depth = in.get_array<float>(count, "depths");
   f->movable = in.get_array<char>(count, "movable marks");
   f->colour = in.get_array<Colour>(count, "colours");
-  check_features(in, *f, camera, static_cast<int>(map.scales().size()));
-  f->grid = FeatureGrid(f->left.keypoints, camera.width, camera.height);
+  check_features(in, *f, map.camera(), static_cast<int>(map.scales().size()));
+  f->grid = FeatureGrid(f->left.keypoints, map.camera().width, map.camera().height);
   std::unique_ptr<KeyFrame> keyframe = map.new_keyframe(frame_index, timestamp, T_cw, std::move(f));
   keyframe->submap = submap;
+  const std::uint32_t objects = in.get_count(kObjectBytes, "objects");
+  for (std::uint32_t i = 0; i < objects; ++i) keyframe->objects.push_back(get_object(in));
   map.insert_keyframe(std::move(keyframe));
 }
 
@@ -222,36 +197,6 @@ void get_point(ByteReader& in, Map& map) {
 
 }  // namespace
 
-void write_map(const std::filesystem::path& path, const StereoCamera& camera, const Map& map) {
-  ByteWriter body;
-  put_camera(body, camera);
-  body.put(static_cast<std::uint32_t>(map.scales().size()));
-  body.put_array(std::span(map.scales()));
-
-  const std::vector<KeyFrame*>& keyframes = map.keyframes();
-  std::vector<std::uint32_t> place_of;  // by id
-  for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    place_of.resize(static_cast<std::size_t>(keyframes[k]->id) + 1);
-    place_of.back() = static_cast<std::uint32_t>(k);
-  }
-  body.put(static_cast<std::uint32_t>(keyframes.size()));
-  for (const KeyFrame* keyframe : keyframes) put_keyframe(body, *keyframe);
-
-  const auto is_part = [](const auto& p) { return !p->erased && !p->observations.empty(); };
-  body.put(static_cast<std::uint32_t>(std::count_if(map.points().begin(), map.points().end(), is_part)));
-  for (const auto& point : map.points()) {
-    if (is_part(point)) put_point(body, *point, place_of);
-  }
-
-  ByteWriter file;
-  file.put_array(std::span(kMagic));
-  file.put(kMapFileVersion);
-  file.put(nn::crc32(body.bytes()));
-  file.put(static_cast<std::uint64_t>(body.bytes().size()));
-  file.put_array(std::span(body.bytes()));
-  nn::write_file(path, file.bytes());
-}
-
 void require_same_camera(const StereoCamera& of_map, const StereoCamera& now, const std::string& place) {
   constexpr double kTolerance = 1e-4;
   const double pixels = kTolerance * now.fx;
@@ -267,13 +212,13 @@ void require_same_camera(const StereoCamera& of_map, const StereoCamera& now, co
   throw InputError(place, "a map of the dataset's camera, " + text(now), text(of_map));
 }
 
-SavedMap read_map(const std::filesystem::path& path) {
+std::unique_ptr<Map> read_map(const std::filesystem::path& path) {
   const std::string bytes = nn::read_file(path, "a map that Penumbra saved");
   const std::string place = path.string();
-  if (bytes.substr(0, kMagic.size()) != kMagic) {
+  if (bytes.substr(0, kMapFileMagic.size()) != kMapFileMagic) {
     throw InputError(place, "a map that Penumbra saved", "a file that begins differently");
   }
-  ByteReader header(std::string_view(bytes).substr(kMagic.size()), place, kMagic.size());
+  ByteReader header(std::string_view(bytes).substr(kMapFileMagic.size()), place, kMapFileMagic.size());
   const auto version = header.get<std::uint32_t>("version");
   if (version != kMapFileVersion) {
     throw InputError(place, fmt::format("a map file of version {}", kMapFileVersion),
@@ -289,18 +234,17 @@ SavedMap read_map(const std::filesystem::path& path) {
   if (nn::crc32(body) != crc) throw InputError(place, "the checksum that the header names", "damaged bytes");
 
   ByteReader in(body, place, kHeaderBytes);
-  SavedMap saved;
-  saved.camera = get_camera(in);
-  saved.map = std::make_unique<Map>(get_scales(in));
+  const StereoCamera camera = get_camera(in);
+  auto map = std::make_unique<Map>(camera, get_scales(in));
   const std::uint32_t keyframes = in.get_count(kKeyframeBytes, "keyframes");
-  for (std::uint32_t k = 0; k < keyframes; ++k) get_keyframe(in, saved.camera, *saved.map);
+  for (std::uint32_t k = 0; k < keyframes; ++k) get_keyframe(in, *map);
   const std::uint32_t points = in.get_count(kPointBytes, "points");
-  for (std::uint32_t p = 0; p < points; ++p) get_point(in, *saved.map);
+  for (std::uint32_t p = 0; p < points; ++p) get_point(in, *map);
   if (in.remaining() > 0) {
     throw InputError(in.here(), "the end of the map", fmt::format("{} more bytes", in.remaining()));
   }
-  for (KeyFrame* keyframe : saved.map->keyframes()) saved.map->update_covisibility(keyframe);
-  return saved;
+  for (KeyFrame* keyframe : map->keyframes()) map->update_covisibility(keyframe);
+  return map;
 }
 
 }  // namespace penumbra::slam
