@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "nn/base/error.h"
+#include "nn/io/file.h"
 #include "nn/io/number_file.h"
 #include "slam/datasets/folder_listing.h"
 #include "slam/datasets/kitti_calibration.h"
@@ -104,6 +105,21 @@ std::vector<double> read_times(const fs::path& path, std::size_t frames, std::op
   return times;
 }
 
+// What the recording is called: the line in name.txt, where there is one.
+std::string read_name(const SequenceFolder& sequence) {
+  constexpr std::size_t kLongest = 100;  // bytes
+  const fs::path path = sequence.folder / "name.txt";
+  if (!is_present(path)) return "KITTI odometry " + sequence.name;
+  std::string name = nn::read_file(path, "the name of the recording");
+  if (!name.empty() && name.back() == '\n') name.pop_back();
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (name.empty() || name.size() > kLongest || std::any_of(name.begin(), name.end(), is_control)) {
+    throw InputError(path.string(), fmt::format("one line of text, {} bytes at most", kLongest),
+                     fmt::format("{} bytes", name.size()));
+  }
+  return name;
+}
+
 Trajectory read_ground_truth(const SequenceFolder& sequence, const std::vector<double>& times,
                              std::size_t frames) {
   const auto file = std::find_if(sequence.pose_files.begin(), sequence.pose_files.end(), is_present);
@@ -141,7 +157,7 @@ std::unique_ptr<StereoDataset> open_kitti(const fs::path& path, const DatasetOpt
   if (is_present(folder)) require_dataset_folder(folder);
   const bool colour = wants_colour(folder, options.cameras);
   Recording recording;
-  recording.name = "KITTI odometry " + sequence.name;
+  recording.name = read_name(sequence);
   recording.place = folder.string();
   recording.colour = colour ? nn::ImageColour::bgr : nn::ImageColour::grey;
   const std::vector<fs::path> left = list_images(folder / (colour ? "image_2" : "image_0"));

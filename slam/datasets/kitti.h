@@ -1,10 +1,12 @@
 // KITTI odometry layout (Geiger et al., CVPR 2012; development kit of the odometry benchmark).
 //
 //   ROOT/sequences/NN/calib.txt           "P0: " and 12 numbers: 3 x 4 projection, row by row; P1..P3
-//   likewise ROOT/sequences/NN/times.txt           seconds, one line a frame ROOT/sequences/NN/image_0,
-//   image_1    left and right grey images 000000.png, 000001.png, ... (.jpg too) ROOT/sequences/NN/image_2,
-//   image_3    left and right colour images ROOT/poses/NN.txt                     ground truth T_wc, one line
-//   a frame; absent for sequences 11..21
+//                                         likewise
+//   ROOT/sequences/NN/times.txt           seconds, one line a frame
+//   ROOT/sequences/NN/image_0, image_1    left and right grey images 000000.png, 000001.png, ... (.jpg too)
+//   ROOT/sequences/NN/image_2, image_3    left and right colour images
+//   ROOT/sequences/NN/name.txt            one line: what to call the recording; KITTI's have none
+//   ROOT/poses/NN.txt                     ground truth T_wc, one line a frame; absent for sequences 11..21
 //
 // PATH is ROOT (then `sequence` names NN; not needed where there is only one) or a sequence's own folder,
 // whose ground truth is looked for in poses.txt inside and in ../../poses/NN.txt.

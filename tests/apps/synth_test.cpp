@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "slam/datasets/open_dataset.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::test {
@@ -39,6 +40,7 @@ TEST(Synth, WritesTheKittiLayout) {
   EXPECT_EQ(lines_in(sequence / "times.txt"), 3);
   EXPECT_EQ(lines_in(folder / "street/poses/00.txt"), 3);
   EXPECT_EQ(lines_in(sequence / "calib.txt"), 4);
+  EXPECT_EQ(slam::open_dataset(folder / "street")->name(), "synthetic street, block, seed 1");
 
   // The first pose is the identity, P1 holds the baseline.
   std::ifstream poses(folder / "street/poses/00.txt");

@@ -139,6 +139,19 @@ TEST_F(Kitti, SeveralSequencesAreListed) {
   expect_error<UsageError>([&] { open_dataset(sequence("07"), options); }, {"is itself a sequence", "08"});
 }
 
+TEST_F(Kitti, ARecordingMayHaveANameOfItsOwn) {
+  const fs::path path = sequence() / "name.txt";
+  for (const char* text : {"yard, Monday\n", "yard, Monday"}) {
+    nn::write_file(path, text);
+    EXPECT_EQ(open_dataset(root())->name(), "yard, Monday");
+  }
+  for (const std::string& text : {std::string(), std::string("\n"), std::string("two\nlines\n"),
+                                  std::string("\x1b[2J"), std::string(101, 'x')}) {
+    nn::write_file(path, text);
+    expect_refused({"name.txt", "one line of text"});
+  }
+}
+
 TEST_F(Kitti, WithoutPosesThereIsNoGroundTruth) {
   fs::remove_all(root() / "poses");
   EXPECT_FALSE(open_dataset(root())->ground_truth().has_value());

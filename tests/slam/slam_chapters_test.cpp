@@ -62,6 +62,27 @@ std::vector<char> keep(std::span<const float> distances, MismatchFilterMode mode
   return kept;
 }
 
+TEST(SlamChapters, DisparityAtInfinity) {
+  StereoCamera exact;
+  exact.fx = 718.856;
+  exact.baseline = 386.14 / exact.fx;
+  StereoCamera turned = exact;
+  turned.disparity_offset = 0.1;
+  const auto disparity = [&](double depth) {
+    const Eigen::Vector3d pixel = turned.project_stereo({0.0, 0.0, depth});
+    return pixel.x() - pixel.z();
+  };
+  const auto step = [&](const StereoCamera& camera, double depth) {
+    return camera.depth_from_disparity(disparity(depth)) -
+           camera.depth_from_disparity(disparity(depth - 2.0));
+  };
+  EXPECT_NEAR(disparity(10.0), 38.71, 0.005);
+  EXPECT_NEAR(disparity(38.0), 10.26, 0.005);
+  EXPECT_NEAR(step(exact, 10.0), 1.991, 0.0005);
+  EXPECT_NEAR(step(exact, 40.0), 1.96, 0.005);
+  for (const double depth : {10.0, 40.0}) EXPECT_NEAR(step(turned, depth), 2.0, 1e-12);
+}
+
 TEST(SlamChapters, MismatchFilter) {
   constexpr std::array<float, 9> kGross = {10, 11, 12, 11, 10, 12, 11, 40, 2};
   constexpr std::array<float, 9> kClean = {10, 11, 12, 13, 14, 15, 16, 17, 18};

@@ -36,6 +36,14 @@ void write_calibration(const fs::path& path, const StereoCamera& camera) {
   nn::write_file(path, text);
 }
 
+// For logs and reports, such as "synthetic street, block, seed 1".
+std::string name_of(const SequenceSettings& settings) {
+  const bool is_file = fs::path(settings.path).has_extension();
+  return fmt::format("synthetic street, {}, seed {}",
+                     is_file ? "along " + fs::path(settings.path).filename().string() : settings.path,
+                     settings.seed);
+}
+
 void write_trajectory(const fs::path& poses_path, const fs::path& times_path, const Trajectory& poses) {
   std::string rows, times;
   const SE3 first_from_world = poses.front().T_wc.inverse();
@@ -82,6 +90,7 @@ void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool o
   }
   make_folder(folder / "poses");
   if (settings.annotations) make_folder(folder / "annotations");
+  nn::write_file(root / "name.txt", name_of(settings) + "\n");
   write_calibration(root / "calib.txt", sequence.camera());
   write_trajectory(folder / "poses/00.txt", root / "times.txt", sequence.poses());
   write_instance_list(root / "instances.json", sequence.world());

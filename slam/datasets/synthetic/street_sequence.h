@@ -70,7 +70,7 @@ class StreetSequence {
 
 // Writes the sequence below `folder`:
 //   sequences/00/image_0, image_1 [, image_2, image_3]/NNNNNN.png    left, right; grey, then colour
-//   sequences/00/calib.txt, times.txt
+//   sequences/00/calib.txt, times.txt, name.txt (what to call it in logs and reports)
 //   sequences/00/instances/NNNNNN.png   16 bits: instance ids of the left image, 0 = background
 //   sequences/00/instances.json         per id: class and whether it moves
 //   sequences/00/depth/NNNNNN.png       16 bits, 256 = 1 m, 0 = sky or beyond 255 m (where settings.depth)
