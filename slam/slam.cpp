@@ -166,6 +166,7 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   }
   Frame frame;
   frame.covered_share = result.covered_share;
+  frame.objects = instances_.objects();
   frame.index = index;
   frame.timestamp = timestamp;
   frame.features = features;
@@ -182,9 +183,7 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
     result.keyframe = result.tracking.wants_keyframe;
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
-  // What hides the way must be known most of all where the way is not: a lost frame becomes no keyframe.
-  const bool is_telling = result.keyframe || result.tracking.state != TrackingState::tracking;
-  if (is_segmented(is_telling) && !image.empty()) segmentation_.submit(index, image);
+  if (is_segmented(result) && !image.empty()) segmentation_.submit(index, image);
   if (work) worker_.submit(std::move(*work));
 
   result.T_wc = frame.T_cw.inverse();
@@ -239,12 +238,18 @@ SE3 Slam::step_from_last(const Frame& frame) const {
   return frame.T_cw * (entries_.back().T_c_reference * current_pose(*entries_.back().reference)).inverse();
 }
 
-bool Slam::is_segmented(bool is_telling) const {
+bool Slam::is_segmented(const FrameResult& frame) const {
+  constexpr int kWithoutKeyframes = 3;  // frames; a drive makes every second or third a keyframe
+  const auto is_turn_of = [&](int interval) {
+    return results_.size() % static_cast<std::size_t>(std::max(1, interval)) == 0;
+  };
   switch (settings_.semantics.mode) {
     case SegmentationMode::keyframes:
-      return is_telling;
+      // What hides the way must be known most of all where the way is not.
+      return frame.keyframe || frame.tracking.state != TrackingState::tracking ||
+             (settings_.localise && is_turn_of(kWithoutKeyframes));
     case SegmentationMode::interval:
-      return results_.size() % static_cast<std::size_t>(std::max(1, settings_.semantics.interval)) == 0;
+      return is_turn_of(settings_.semantics.interval);
     case SegmentationMode::off:
     case SegmentationMode::all:  // before the frame is located
       break;

@@ -31,9 +31,9 @@
 
 namespace penumbra::slam {
 
-// Which frames are segmented. `keyframes` (and frames that cannot be located) and `interval`: beside the
-// tracker, which gets the instances when they are there. `all`: every frame, before it is located; the
-// tracker waits.
+// Which frames are segmented. `keyframes` (and frames that cannot be located; every third where only the way
+// in a map is looked for) and `interval`: beside the tracker, which gets the instances when they are there.
+// `all`: every frame, before it is located; the tracker waits.
 enum class SegmentationMode { off, keyframes, interval, all };
 
 struct SemanticsSettings {
@@ -137,7 +137,7 @@ class Slam {
   std::shared_ptr<FrameFeatures> measure(const StereoImages& images);
   SE3 step_from_last(const Frame& frame) const;
   void take_instances();
-  bool is_segmented(bool is_telling) const;
+  bool is_segmented(const FrameResult& frame) const;
   MapWork make_keyframe(Frame& frame, bool starts_submap);
   int count(TrackingState state) const;
 

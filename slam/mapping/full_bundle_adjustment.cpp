@@ -1,6 +1,7 @@
 #include "slam/mapping/full_bundle_adjustment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -8,6 +9,13 @@
 #include "slam/mapping/newcomers.h"
 
 namespace penumbra::slam {
+
+namespace {
+
+// Pixels.
+constexpr double kLeastOffset = 0.03;
+
+}  // namespace
 
 FullBundleAdjustment::FullBundleAdjustment(const Map& map, int submap, const FullBundleSettings& settings)
     : settings_(settings) {
@@ -34,7 +42,7 @@ FullBundleAdjustment::FullBundleAdjustment(const Map& map, int submap, const Ful
     }
   }
   const bool is_most_of_map = 2 * keyframes_.size() > map.keyframes().size();
-  problem_.disparity_offset_sigma = is_most_of_map ? settings.disparity_offset_sigma : 0.0;
+  if (!is_most_of_map) settings_.disparity_offset_sigma = 0.0;
   report_.keyframes = static_cast<int>(keyframes_.size());
   report_.points = static_cast<int>(points_.size());
   report_.observations = static_cast<int>(problem_.observations.size());
@@ -59,7 +67,12 @@ void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
   for (BundleObservation& o : problem_.observations) o.active = within_gate(o);
   pass.iterations = settings_.iterations;
   pass.robust = false;
+  problem_.disparity_offset_sigma = settings_.disparity_offset_sigma;
   report_.final = solve_bundle(problem_, pass);
+  if (problem_.disparity_offset_sigma > 0.0 && std::abs(problem_.camera.disparity_offset) < kLeastOffset) {
+    problem_.camera.disparity_offset = problem_.disparity_offset_sigma = 0.0;
+    report_.final = solve_bundle(problem_, pass);
+  }
   report_.stopped = stop != nullptr && stop->load();
 }
 

@@ -395,8 +395,7 @@ std::vector<KeyframeObjects> InstanceTracker::take_keyframe_objects() {
     for (const InstanceView& view : followed_[object].views) {
       const auto at = seen.find(view.frame);
       if (at == seen.end()) continue;
-      at->second.push_back({first_number_ + static_cast<int>(object), instances_[object].class_name,
-                            view.centre, view.region, stands(object)});
+      at->second.push_back(seen_object(object, view));
     }
   }
   std::vector<KeyframeObjects> changed;
@@ -406,6 +405,22 @@ std::vector<KeyframeObjects> InstanceTracker::take_keyframe_objects() {
     changed.push_back({record.keyframe, record.told});
   }
   return changed;
+}
+
+SeenObject InstanceTracker::seen_object(std::size_t object, const InstanceView& view) const {
+  return {first_number_ + static_cast<int>(object), instances_[object].class_name, view.centre, view.region,
+          stands(object)};
+}
+
+std::vector<SeenObject> InstanceTracker::objects() const {
+  std::vector<SeenObject> objects;
+  for (std::size_t object = 0; object < followed_.size(); ++object) {
+    for (const InstanceView& view : followed_[object].views) {
+      if (!history_.empty() && view.frame == history_.back().index)
+        objects.push_back(seen_object(object, view));
+    }
+  }
+  return objects;
 }
 
 double InstanceTracker::covered_share() const {

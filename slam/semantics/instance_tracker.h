@@ -116,6 +116,8 @@ class InstanceTracker {
 
   // Share of the newest image that is covered by what is known to move, 0..1.
   double covered_share() const;
+  // What the newest frame shows, in its camera's frame.
+  std::vector<SeenObject> objects() const;
   const std::vector<TrackedInstance>& instances() const { return instances_; }
   // What the newest frame shows.
   std::vector<InstanceSighting> sightings() const;
@@ -157,6 +159,7 @@ class InstanceTracker {
   bool can_spare(const FrameFeatures& features, const std::vector<int>& spared) const;
   bool moves(std::size_t object) const;
   bool stands(std::size_t object) const;
+  SeenObject seen_object(std::size_t object, const InstanceView& view) const;
 
   const StereoCamera camera_;
   const std::vector<double> scales_;

@@ -27,6 +27,7 @@ struct Frame {
   const ImagePyramid* pyramid = nullptr;    // of the left image; only while the frame is tracked
   std::shared_ptr<const std::vector<Patch>> patches;  // per feature; given by the tracker
   double covered_share = 0.0;                         // of the image, by what is known to move
+  std::vector<SeenObject> objects;                    // that it is known to show
   SE3 T_cw;
   std::vector<MapPoint*> points;  // per feature: the map point it shows, or nullptr
   std::vector<char> aligned;      // per feature: 1 where the point's patch was found at its pixel

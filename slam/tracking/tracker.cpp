@@ -349,7 +349,7 @@ Tracker::Located Tracker::recognise(Frame& frame) {
     const auto scope = timer_.measure("recognise");
     std::optional<VerifiedPlace> found =
         recognise_image(map_, index_, keyframes_near(), *frame.features,
-                        static_cast<std::uint64_t>(frame.index), settings_.recognition);
+                        static_cast<std::uint64_t>(frame.index), settings_.recognition, frame.objects);
     if (!found) return {};
     frame.T_cw = found->T_cw;
     frame.points = std::move(found->points);

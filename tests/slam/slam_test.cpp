@@ -10,6 +10,7 @@
 #include "slam/datasets/open_dataset.h"
 #include "slam/evaluation/association.h"
 #include "slam/evaluation/evaluation.h"
+#include "slam/map/map_file.h"
 #include "tests/slam/synthetic.h"
 #include "tests/support/test_data.h"
 
@@ -215,6 +216,27 @@ TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
   }
   EXPECT_EQ(slam.lost(), 3);
   EXPECT_EQ(segmented, expected);
+}
+
+TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
+  const Walls walls;
+  const penumbra::test::TemporaryDirectory folder;
+  Slam first(walls.camera(), {});
+  for (int i = 0; i < 12; ++i) first.process(walls.frame(i));
+  first.finish();
+  write_map(folder / "walls.map", first.map());
+
+  std::vector<int> segmented;
+  const auto segmenter = [&](int frame, const cv::Mat&) {
+    segmented.push_back(frame);
+    return std::vector<Instance>{};
+  };
+  SlamSettings settings;
+  settings.localise = true;
+  Slam again(walls.camera(), settings, segmenter, read_map(folder / "walls.map"));
+  for (int i = 0; i < 8; ++i) again.process(walls.frame(i));
+  EXPECT_EQ(again.lost(), 0);
+  EXPECT_EQ(segmented, (std::vector<int>{0, 3, 6}));
 }
 
 TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {

@@ -54,6 +54,25 @@ TEST_F(Recognition, FindsNothingInAnotherWorld) {
   }
 }
 
+// A lorry hides three quarters of the image, and of the rest every other feature is lost.
+TEST_F(Recognition, DoesNotAskForWhatAnObjectHides) {
+  const int border = 3 * world.camera().width / 4;
+  const std::shared_ptr<FrameFeatures> view = world.view(world.T_cw(50.5), 7, seen);
+  for (int i = 0; i < view->size(); ++i) {
+    if (view->keypoint(i).u < static_cast<float>(border) || i % 2 == 0)
+      view->movable[static_cast<std::size_t>(i)] = 1;
+  }
+  RecognitionSettings settings;
+  settings.last_keyframes = 0;
+  settings.anywhere.fewest_inliers = 15;
+  settings.anywhere.fewest_cells = 4;
+  EXPECT_FALSE(recognise(*view, settings));
+  const SeenObject lorry{0, "truck", {-1.0, 0.0, 2.0}, {0, 0, border, world.camera().height}, false};
+  const auto place = recognise_image(map, index, last(), *view, 1, settings, {lorry});
+  ASSERT_TRUE(place);
+  EXPECT_LT((place->T_cw * world.T_cw(50.5).inverse()).translation.norm(), 0.1);
+}
+
 TEST_F(Recognition, FindsNothingInAnImageOrAMapWithoutFeatures) {
   EXPECT_FALSE(recognise(FrameFeatures{}));
   const Map empty(world.camera(), world.scales());
