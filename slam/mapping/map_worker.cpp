@@ -163,13 +163,17 @@ void MapWorker::collect_erased() {
   map_.collect_erased();
 }
 
-bool MapWorker::whole_map_is_due() const { return !adjustment_ && map_.keyframes().size() >= due_keyframes_; }
+bool MapWorker::whole_map_is_due() const {
+  if (adjustment_) return false;
+  const std::shared_lock lock(map_.mutex());
+  return map_.keyframes().size() >= due_keyframes_;
+}
 
 void MapWorker::adjust_whole_map(int submap) {
   stop_adjustment();
-  due_keyframes_ = 2 * map_.keyframes().size();
   {
     const std::shared_lock lock(map_.mutex());
+    due_keyframes_ = 2 * map_.keyframes().size();
     adjustment_ = std::make_unique<FullBundleAdjustment>(map_, submap, full_bundle_);
   }
   if (!threaded_) {
