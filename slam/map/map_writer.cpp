@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <algorithm>
 
 #include "nn/base/byte_stream.h"
 #include "nn/io/crc32.h"
@@ -44,8 +44,13 @@ void put_keyframe(ByteWriter& out, const KeyFrame& keyframe) {
   out.put_array(std::span(f.depth));
   out.put_array(std::span<const char>(f.movable));
   out.put_array(std::span(f.colour));
-  out.put(static_cast<std::uint32_t>(keyframe.objects.size()));
-  for (const SeenObject& object : keyframe.objects) put_object(out, object);
+  // One whose place was never measured says nothing.
+  const auto is_known = [](const SeenObject& object) { return object.position.allFinite(); };
+  out.put(
+      static_cast<std::uint32_t>(std::count_if(keyframe.objects.begin(), keyframe.objects.end(), is_known)));
+  for (const SeenObject& object : keyframe.objects) {
+    if (is_known(object)) put_object(out, object);
+  }
 }
 
 void put_patch(ByteWriter& out, const MapPoint& point) {
