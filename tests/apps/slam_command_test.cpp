@@ -114,6 +114,27 @@ TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {
   EXPECT_LT(report["ground_truth"]["ape_rmse_m"], 0.5);
 }
 
+// The disparities of this recording are about 0.15 pixels too small for its calibration.
+TEST(SlamCommand, FindsTheDisparityOffsetUnlessToldNotTo) {
+  PENUMBRA_REAL_DATA(kitti, "kitti");
+  const test::TemporaryDirectory folder;
+  const auto run = [&](const std::string& option) {
+    const test::ProgramResult result = test::run_penumbra(fmt::format(
+        "slam '{}' --sequence 06 --out '{}' --segmentation off --deterministic --self-calibration {}",
+        kitti.string(), folder.path().string(), option));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out.find("too small for the calibration") != std::string::npos, option == "on")
+        << result.out;
+    return nlohmann::json::parse(contents(folder / "run.json"));
+  };
+  const nlohmann::json on = run("on"), off = run("off");
+  EXPECT_NEAR(on["disparity_offset_px"].get<double>(), -0.15, 0.05);
+  EXPECT_EQ(on["settings"]["self_calibration"], true);
+  EXPECT_EQ(off["disparity_offset_px"], 0.0);
+  EXPECT_LT(on["ground_truth"]["ape_rmse_m"].get<double>(),
+            0.7 * off["ground_truth"]["ape_rmse_m"].get<double>());
+}
+
 TEST(SlamCommand, KeepsWhatWasComputedBeforeATornImage) {
   PENUMBRA_REAL_DATA(kitti, "kitti/sequences/06");
   const test::TemporaryDirectory folder;
