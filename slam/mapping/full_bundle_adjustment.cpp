@@ -13,7 +13,7 @@ namespace penumbra::slam {
 namespace {
 
 // Pixels.
-constexpr double kLeastOffset = 0.03;
+constexpr double kLeastOffset = 0.05;
 
 }  // namespace
 
