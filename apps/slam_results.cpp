@@ -97,9 +97,7 @@ void print_summary(const nlohmann::json& report, const std::filesystem::path& ou
              report["dataset"].get<std::string>(), report["frames"].get<int>(), report["tracked"].get<int>(),
              report["lost"].get<int>(), report["keyframes"].get<int>(), report["map_points"].get<int>(),
              report.value("median_ms", 0.0));
-  constexpr double kWorthTelling = 0.03;  // pixels
-  const double offset = report["disparity_offset_px"].get<double>();
-  if (std::abs(offset) >= kWorthTelling) {
+  if (const double offset = report["disparity_offset_px"].get<double>(); offset != 0.0) {
     fmt::print("disparities are {:.2f} pixels too {} for the calibration, which was taken into account\n",
                std::abs(offset), offset > 0.0 ? "large" : "small");
   }
