@@ -4,9 +4,9 @@
 // without the observations beyond their chi-square gate; those that are beyond it at the end leave the map.
 // Points with a single observation say nothing about poses and move along with their keyframe.
 //
-// The second pass adjusts the stereo camera's disparity offset, too, where the sub-map is most of the map, and
-// apply() gives it to the map. One below 0.05 pixels is taken for none: so much may come from how disparities
-// are measured.
+// The second pass adjusts the stereo camera's disparity offset, too, where the sub-map is most of the map,
+// and apply() gives it to the map. One below 0.05 pixels is taken for none: so much may come from how
+// disparities are measured.
 //
 // The numbers are copied out of the map, adjusted, and copied back, so that a thread may adjust while the map
 // grows: solve() touches no map. Keyframes that were added meanwhile move along (newcomers.h).
