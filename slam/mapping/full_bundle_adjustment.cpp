@@ -12,8 +12,7 @@ namespace penumbra::slam {
 
 namespace {
 
-// Pixels.
-constexpr double kLeastOffset = 0.05;
+constexpr double kLeastOffset = 0.05;  // pixels
 
 }  // namespace
 
@@ -69,9 +68,12 @@ void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
   pass.robust = false;
   problem_.disparity_offset_sigma = settings_.disparity_offset_sigma;
   report_.final = solve_bundle(problem_, pass);
-  if (problem_.disparity_offset_sigma > 0.0 && std::abs(problem_.camera.disparity_offset) < kLeastOffset) {
+  const double offset = problem_.camera.disparity_offset;
+  if (problem_.disparity_offset_sigma > 0.0 && std::abs(offset) < kLeastOffset) {
     problem_.camera.disparity_offset = problem_.disparity_offset_sigma = 0.0;
     report_.final = solve_bundle(problem_, pass);
+    // Stopped before it began: the map still fits the offset.
+    if (report_.final.iterations == 0) problem_.camera.disparity_offset = offset;
   }
   report_.stopped = stop != nullptr && stop->load();
 }

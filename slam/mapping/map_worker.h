@@ -3,11 +3,11 @@
 //
 //   keyframe -> into the map, with its stereo points                    the tracker's thread
 //            -> queue -> [ local mapper -> loop closer ]                the worker's thread
-//                           loop closed -> [ full bundle adjustment ]   a third thread,
-//                           applied by the worker between two keyframes
+//                 loop closed or map doubled -> [ full bundle adjustment ]   a third thread,
+//                                               applied by the worker between two keyframes
 //
-// The whole map is adjusted, too, when it has 15 keyframes, and again whenever it has twice as many as the
-// last time: then the disparity offset (slam/geometry/stereo_camera.h) is found early, and ever more closely.
+// A map is doubled when it has 15 keyframes, and again whenever it has twice as many as at its last
+// adjustment: so the disparity offset (slam/geometry/stereo_camera.h) is found early, and ever more closely.
 //
 // In line (threaded = false) everything is done before submit() returns, in the caller's thread: results
 // repeat bit for bit. Threaded, the tracker has the new points at once, as in line, and waits only while the
