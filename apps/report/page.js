@@ -35,6 +35,7 @@ function summary(data) {
                  [(run.loops || []).length, 'loops closed']];
   if (run.median_ms !== undefined) tiles.push([fixed(run.median_ms, 1) + ' ms', 'a frame, median']);
   if (run.p95_ms !== undefined) tiles.push([fixed(run.p95_ms, 1) + ' ms', '95 % of frames below']);
+  if (run.disparity_offset_px) tiles.push([fixed(run.disparity_offset_px, 2) + ' px', 'disparity offset found']);
   if (truth) {
     tiles.push([fixed(truth.path_m, 1) + ' m', 'path'], [fixed(truth.ape_rmse_m, 3) + ' m', 'position error (APE rmse)']);
     if (truth.t_rel_percent !== undefined) {
