@@ -53,6 +53,14 @@ BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& setting
   return summary;
 }
 
+bool within_gate(const BundleProblem& problem, const BundleObservation& o) {
+  const Eigen::Vector3d p =
+      problem.poses[static_cast<std::size_t>(o.pose)] * problem.points[static_cast<std::size_t>(o.point)];
+  if (p.z() <= 0.0) return false;
+  const Eigen::Vector3d e = reprojection_error(problem.camera, p, o.measurement);
+  return e.squaredNorm() * o.measurement.inverse_variance <= o.measurement.gate();
+}
+
 BundleStep bundle_step(const BundleProblem& problem, bool robust, double lambda) {
   BundleEquations equations(problem, robust, 1);
   equations.linearize();

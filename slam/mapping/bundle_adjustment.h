@@ -31,6 +31,9 @@ struct BundleSummary {
 // never rises. Points that no active observation sees stay.
 BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings);
 
+// Whether the observation is within its chi-square gate, its point before the camera.
+bool within_gate(const BundleProblem& problem, const BundleObservation& o);
+
 // The first step that solve_bundle would try with damping `lambda`.
 BundleStep bundle_step(const BundleProblem& problem, bool robust, double lambda);
 

@@ -121,9 +121,9 @@ bool BundleEquations::solve(double lambda, BundleStep& step) {
   step.disparity_offset = 0.0;
   if (adjusts_offset()) {
     const Eigen::VectorXd y = reduced_->solve(border.s);
-    const double reduced = border.c - border.s.dot(y);
-    if (!(reduced > 0.0)) return false;
-    step.disparity_offset = (border.right - border.s.dot(dx)) / reduced;
+    const double information = border.c - border.s.dot(y);
+    if (!(information > 0.0)) return false;
+    step.disparity_offset = (border.right - border.s.dot(dx)) / information;
     dx -= y * step.disparity_offset;
   }
   if (!dx.allFinite()) return false;

@@ -47,14 +47,6 @@ FullBundleAdjustment::FullBundleAdjustment(const Map& map, int submap, const Ful
   report_.observations = static_cast<int>(problem_.observations.size());
 }
 
-bool FullBundleAdjustment::within_gate(const BundleObservation& o) const {
-  const Eigen::Vector3d p =
-      problem_.poses[static_cast<std::size_t>(o.pose)] * problem_.points[static_cast<std::size_t>(o.point)];
-  if (p.z() <= 0.0) return false;
-  const Eigen::Vector3d e = reprojection_error(problem_.camera, p, o.measurement);
-  return e.squaredNorm() * o.measurement.inverse_variance <= o.measurement.gate();
-}
-
 void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
   BundleSettings pass;
   pass.iterations = settings_.robust_iterations;
@@ -63,7 +55,7 @@ void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
   report_.robust = solve_bundle(problem_, pass);
   report_.stopped = stop != nullptr && stop->load();
   if (report_.stopped) return;
-  for (BundleObservation& o : problem_.observations) o.active = within_gate(o);
+  for (BundleObservation& o : problem_.observations) o.active = within_gate(problem_, o);
   pass.iterations = settings_.iterations;
   pass.robust = false;
   problem_.disparity_offset_sigma = settings_.disparity_offset_sigma;
@@ -101,7 +93,7 @@ void FullBundleAdjustment::apply(Map& map) {
   }
   move_newcomers(map, keyframes_.empty() ? -1 : keyframes_.back()->id, before);
   for (const BundleObservation& o : problem_.observations) {
-    if (report_.stopped || within_gate(o)) continue;
+    if (report_.stopped || within_gate(problem_, o)) continue;
     MapPoint* point = points_[static_cast<std::size_t>(o.point)];
     if (point->erased) continue;
     map.remove_observation(point, keyframes_[static_cast<std::size_t>(o.pose)]);

@@ -48,8 +48,6 @@ class FullBundleAdjustment {
   const FullBundleReport& report() const { return report_; }
 
  private:
-  bool within_gate(const BundleObservation& observation) const;
-
   FullBundleSettings settings_;
   BundleProblem problem_;
   std::vector<KeyFrame*> keyframes_;  // of the problem's poses

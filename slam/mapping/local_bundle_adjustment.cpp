@@ -84,14 +84,6 @@ BundleProblem make_problem(const Map& map, const Window& window) {
   return problem;
 }
 
-bool within_gate(const BundleProblem& problem, const BundleObservation& o) {
-  const Eigen::Vector3d p =
-      problem.poses[static_cast<std::size_t>(o.pose)] * problem.points[static_cast<std::size_t>(o.point)];
-  if (p.z() <= 0.0) return false;
-  const Eigen::Vector3d e = reprojection_error(problem.camera, p, o.measurement);
-  return e.squaredNorm() * o.measurement.inverse_variance <= o.measurement.gate();
-}
-
 }  // namespace
 
 LocalBundleReport adjust_local_bundle(KeyFrame* centre, Map& map, const LocalBundleSettings& settings,

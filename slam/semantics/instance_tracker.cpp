@@ -412,14 +412,22 @@ SeenObject InstanceTracker::seen_object(std::size_t object, const InstanceView& 
           stands(object)};
 }
 
-std::vector<SeenObject> InstanceTracker::objects() const {
-  std::vector<SeenObject> objects;
+// Calls visit(object, view) for what `frame` shows.
+template <typename Visit>
+void InstanceTracker::visit_views(int frame, Visit&& visit) const {
   for (std::size_t object = 0; object < followed_.size(); ++object) {
     for (const InstanceView& view : followed_[object].views) {
-      if (!history_.empty() && view.frame == history_.back().index)
-        objects.push_back(seen_object(object, view));
+      if (view.frame == frame) visit(object, view);
     }
   }
+}
+
+std::vector<SeenObject> InstanceTracker::objects() const {
+  std::vector<SeenObject> objects;
+  if (history_.empty()) return objects;
+  visit_views(history_.back().index, [&](std::size_t object, const InstanceView& view) {
+    objects.push_back(seen_object(object, view));
+  });
   return objects;
 }
 
@@ -440,13 +448,10 @@ std::vector<InstanceSighting> InstanceTracker::sightings() const {
 
 std::vector<InstanceSighting> InstanceTracker::sightings(int frame) const {
   std::vector<InstanceSighting> seen;
-  for (std::size_t object = 0; object < followed_.size(); ++object) {
-    for (const InstanceView& view : followed_[object].views) {
-      if (view.frame != frame) continue;
-      seen.push_back({static_cast<int>(object), view.region, view.mask, view.centre,
-                      instances_[object].state(), instances_[object].visible_share});
-    }
-  }
+  visit_views(frame, [&](std::size_t object, const InstanceView& view) {
+    seen.push_back({static_cast<int>(object), view.region, view.mask, view.centre, instances_[object].state(),
+                    instances_[object].visible_share});
+  });
   return seen;
 }
 

@@ -160,6 +160,8 @@ class InstanceTracker {
   bool moves(std::size_t object) const;
   bool stands(std::size_t object) const;
   SeenObject seen_object(std::size_t object, const InstanceView& view) const;
+  template <typename Visit>
+  void visit_views(int frame, Visit&& visit) const;
 
   const StereoCamera camera_;
   const std::vector<double> scales_;
