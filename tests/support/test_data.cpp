@@ -23,6 +23,11 @@ std::filesystem::path data_root() {
   return root != nullptr ? std::filesystem::path(root) : source_path("../shared/data");
 }
 
+std::filesystem::path cases_root() {
+  const char* root = std::getenv("PENUMBRA_CASES");
+  return root != nullptr ? std::filesystem::path(root) : source_path("../shared/cases");
+}
+
 bool data_is_required() {
   const char* required = std::getenv("PENUMBRA_REQUIRE_DATA");
   return required != nullptr && std::string(required) == "1";

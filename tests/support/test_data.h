@@ -14,6 +14,9 @@ namespace penumbra::test {
 
 std::filesystem::path data_root();
 bool data_is_required();
+// Files on which programs of this field were seen to fail: $PENUMBRA_CASES, by default "cases" beside the
+// data.
+std::filesystem::path cases_root();
 // A path relative to the root of the source tree, and to its tests/fixtures.
 std::filesystem::path source_path(const std::string& relative);
 std::filesystem::path fixture(const std::string& name);
