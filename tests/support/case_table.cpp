@@ -25,7 +25,7 @@ void check_complete(const Case& c, std::set<std::string>& names) {
   };
   constexpr const char* kNameCharacters = "abcdefghijklmnopqrstuvwxyz0123456789_";
   if (c.name.empty() || c.name.find_first_not_of(kNameCharacters) != std::string::npos)
-    refuse("a name of a-z, 0-9 and _", "'" + c.name + "'");
+    refuse("a name of a-z, 0-9 and _", fmt::format("'{}'", c.name));
   if (!names.insert(c.name).second) refuse("a name that is new", c.name);
   if (c.why.empty() || c.run.empty()) refuse("why: and run:", "neither or one of them");
   if (!c.needs.empty() && c.needs != "data" && c.needs != "cases") refuse("data or cases", c.needs);
@@ -67,7 +67,7 @@ std::vector<Case> read_table(const fs::path& path) {
   };
   for (std::string line; std::getline(file, line);) {
     ++number;
-    const std::string place = path.filename().string() + ":" + std::to_string(number);
+    const std::string place = fmt::format("{}:{}", path.filename().string(), number);
     if (line.empty()) close();
     if (line.empty() || line.front() == '#') continue;
     const std::size_t colon = line.find(": ");
@@ -104,19 +104,19 @@ CaseResult run_case(const Case& c, const fs::path& folder) {
   const fs::path work = folder / "work", output = folder / "output", script = folder / "script";
   fs::create_directories(work);
   std::ofstream text(script);
-  text << "set -eu\nSOURCE='" << source_path("").string() << "' FIXTURES='" << fixture("").string()
-       << "' DATA='" << fs::absolute(data_root()).string() << "' CASES='"
-       << fs::absolute(cases_root()).string() << "'\n"
-       << "penumbra() { '" << PENUMBRA_BINARY << "' \"$@\"; }\n";
+  text << fmt::format(
+      "set -eu\nSOURCE='{}' FIXTURES='{}' DATA='{}' CASES='{}'\npenumbra() {{ '{}' \"$@\"; }}\n",
+      source_path("").string(), fixture("").string(), fs::absolute(data_root()).string(),
+      fs::absolute(cases_root()).string(), PENUMBRA_BINARY);
   // What prepares the case must succeed; its output is shown only where it does not.
-  const std::string prepared = "'" + (folder / "prepared").string() + "'";
+  const std::string prepared = (folder / "prepared").string();
   for (const std::string& line : c.make)
-    text << "{ " << line << "\n} >" << prepared << " 2>&1 || { cat " << prepared << "; exit 99; }\n";
+    text << fmt::format("{{ {}\n}} >'{}' 2>&1 || {{ cat '{}'; exit 99; }}\n", line, prepared, prepared);
   text << "set +e\n";
   for (const std::string& line : c.run) text << line << '\n';
   text.close();
-  const std::string command = "cd '" + work.string() + "' && bash '" + script.string() + "' >'" +
-                              output.string() + "' 2>&1 </dev/null";
+  const std::string command = fmt::format("cd '{}' && bash '{}' >'{}' 2>&1 </dev/null", work.string(),
+                                          script.string(), output.string());
   const int status = std::system(command.c_str());
   CaseResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
