@@ -108,7 +108,7 @@ std::filesystem::path render_drive(const AblationCell& cell, const std::filesyst
 nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& drive,
                         const slam::Segmenter& segmenter) {
   const auto dataset = slam::open_dataset(drive.string(), {});
-  slam::Slam slam(dataset->camera(), settings_of(cell), segmenter);
+  slam::Slam slam(dataset->camera(), dataset->sensor(), settings_of(cell), segmenter);
   for (slam::Prefetcher frames(*dataset); frames.has_next();) slam.process(frames.next());
   slam.finish();
 

@@ -3,6 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -31,7 +33,8 @@ constexpr const char* kBenchSlamExamples = R"(Examples:
   penumbra bench slam DATA --out out/bench --streets out/streets        and a block and an eight, made there
   penumbra bench slam --streets out/streets --street-frames 60 --out out/bench --repeats 3 --json
 
-Every run is a process of its own, with a folder of results and a log in --out. Times are in milliseconds a frame:
+Every run is a process of its own, with a folder of results and a log in --out, at the recording's path below DATA. The
+table grows row by row, here and in table.txt and table.json. Times are in milliseconds a frame:
 median, 95th percentile, and processor time of all threads from the first frame to the finished map; memory is the largest
 that the process held. ATE is over the located frames, after a rigid alignment; drift is KITTI's t_rel, on paths below
 200 m over segments of 10 to 50 m. With --repeats every figure is the median of the runs. Leave the machine alone meanwhile.)";
@@ -46,7 +49,7 @@ struct SlamBenchmarkOptions {
 };
 
 struct Job {
-  std::string name;  // also of its folder in --out
+  std::string name;  // also of its folder in --out: the recording's path below the folder of recordings
   std::vector<std::string> arguments;
 };
 
@@ -62,8 +65,10 @@ constexpr Column kColumns[] = {
     {"t_rel_percent", "t_rel %", 2}, {"median_ms", "median", 1}, {"p95_ms", "95 %", 1},
     {"cpu_ms_per_frame", "CPU", 1},  {"peak_rss_mb", "MB", 0}};
 
-// Recordings in `folder` or up to `depth` levels below it, in the order of their names.
-void find_recordings(const fs::path& folder, const std::string& name, int depth, std::vector<Job>& jobs) {
+// Recordings in `folder` or up to `depth` levels below it, in the order of their names. `path` is the
+// folder's, as seen from where the search began; empty there, where the folder's own name stands for it.
+void find_recordings(const fs::path& folder, const std::string& path, int depth, std::vector<Job>& jobs) {
+  const std::string name = path.empty() ? fs::canonical(folder).filename().string() : path;
   const std::vector<std::string> sequences = slam::kitti_sequences(folder);
   for (const std::string& sequence : sequences)
     jobs.push_back({name + "-" + sequence, {folder.string(), "--sequence", sequence}});
@@ -75,7 +80,8 @@ void find_recordings(const fs::path& folder, const std::string& name, int depth,
     jobs.push_back({name, {folder.string()}});
   } else if (depth > 0) {
     for (const fs::path& entry : slam::list_folder(folder)) {
-      if (slam::is_folder(entry)) find_recordings(entry, entry.filename().string(), depth - 1, jobs);
+      const std::string below = (fs::path(path) / entry.filename()).string();
+      if (slam::is_folder(entry)) find_recordings(entry, below, depth - 1, jobs);
     }
   }
 }
@@ -168,26 +174,40 @@ ordered_json run_job(const Job& job, const SlamBenchmarkOptions& options) {
   return row;
 }
 
-void print_table(const std::vector<ordered_json>& rows) {
-  std::size_t width = 4;
-  for (const ordered_json& row : rows) width = std::max(width, row["name"].get<std::string>().size());
-  fmt::print("{:<{}}", "data", width);
-  for (const Column& column : kColumns) fmt::print(" {:>9}", column.title);
-  fmt::print("\n");
-  for (const ordered_json& row : rows) {
-    fmt::print("{:<{}}", row["name"].get<std::string>(), width);
-    if (row.contains("error")) {
-      fmt::print(" failed\n");
-      continue;
-    }
+// The table grows row by row, on standard output and in table.txt, so that what has been measured is there
+// whatever happens to the rest.
+class Table {
+ public:
+  Table(const std::vector<Job>& jobs, const fs::path& folder, bool shown)
+      : file_(folder / "table.txt"), shown_(shown) {
+    if (!file_) throw Error(fmt::format("{}: cannot be written", (folder / "table.txt").string()));
+    for (const Job& job : jobs) width_ = std::max(width_, job.name.size());
+    std::string titles = fmt::format("{:<{}}", "data", width_);
+    for (const Column& column : kColumns) titles += fmt::format(" {:>9}", column.title);
+    add_line(titles);
+  }
+  void add(const ordered_json& row) {
+    std::string line = fmt::format("{:<{}}", row["name"].get<std::string>(), width_);
+    if (row.contains("error")) return add_line(line + " failed");
     for (const Column& column : kColumns) {
       const ordered_json& value = row[column.key];
-      fmt::print(" {:>9}",
-                 value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), column.decimals) : "-");
+      line += fmt::format(
+          " {:>9}", value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), column.decimals) : "-");
     }
-    fmt::print("\n");
+    add_line(line);
   }
-}
+
+ private:
+  void add_line(const std::string& line) {
+    file_ << line << std::endl;
+    if (!shown_) return;
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+  }
+  std::ofstream file_;
+  bool shown_;
+  std::size_t width_ = 4;
+};
 
 void run_benchmark(const SlamBenchmarkOptions& options) {
   if (options.data.empty() && options.streets.empty()) {
@@ -196,22 +216,25 @@ void run_benchmark(const SlamBenchmarkOptions& options) {
   std::vector<Job> jobs;
   if (!options.data.empty()) {
     slam::require_dataset_folder(options.data);
-    find_recordings(options.data, fs::canonical(options.data).filename().string(), 2, jobs);
+    find_recordings(options.data, "", 2, jobs);
     if (jobs.empty()) throw InputError(options.data, "recordings, at most two folders down", "none");
   }
   if (!options.streets.empty()) {
     jobs.push_back(street(options.streets, "block", options.street_frames.value_or(kBlockFrames)));
     jobs.push_back(street(options.streets, "eight", options.street_frames.value_or(kEightFrames)));
   }
-  std::vector<ordered_json> rows;
-  for (const Job& job : jobs) rows.push_back(run_job(job, options));
-  if (options.json) {
-    const ordered_json result = {
-        {"deterministic", options.deterministic}, {"repeats", options.repeats}, {"runs", rows}};
-    fmt::print("{}\n", result.dump(2));
-  } else {
-    print_table(rows);
+  fs::create_directories(options.out);
+  Table table(jobs, options.out, !options.json);
+  ordered_json result = {{"deterministic", options.deterministic},
+                         {"repeats", options.repeats},
+                         {"runs", ordered_json::array()}};
+  ordered_json& rows = result["runs"];
+  for (const Job& job : jobs) {
+    rows.push_back(run_job(job, options));
+    table.add(rows.back());
+    nn::write_file(fs::path(options.out) / "table.json", result.dump(2) + "\n");
   }
+  if (options.json) fmt::print("{}\n", result.dump(2));
   const auto failed =
       std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row.contains("error"); });
   if (failed > 0) throw Error(fmt::format("{} of {} runs failed", failed, rows.size()));

@@ -1,12 +1,14 @@
 #include "apps/child_process.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <system_error>
 
 #include "nn/base/error.h"
@@ -37,7 +39,9 @@ ChildResult run_penumbra(const std::vector<std::string>& arguments, const std::f
   const auto begin = std::chrono::steady_clock::now();
   const pid_t child = fork();
   if (child == 0) {
-    // Between fork and exec only what is safe in a program with threads.
+    // Between fork and exec only what is safe in a program with threads. The child ends, and keeps what it
+    // has, where this process is killed.
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
     execv("/proc/self/exe", argv.data());

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <shared_mutex>
 #include <thread>
 
 #include "apps/frame_picture.h"
@@ -40,8 +39,7 @@ double rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
 LiveView::LiveView(std::optional<int> port, const SlamRun& run, int frames, const slam::Slam& slam)
     : page_(make_live_page(run.dataset)),
-      loop_settings_(run.settings.loops),
-      frames_(frames),
+            frames_(frames),
       slam_(slam),
       asked_((Clock::now() - 2 * kLookingOn).time_since_epoch().count()),
       server_(port, routes()) {}
@@ -123,7 +121,7 @@ Answer LiveView::state(const Query& query) {
     json["picture"] = !picture_.left.empty();
   }
   json["total"] = frames_;
-  json["loops"] = revisits_json(slam_.loops(), loop_settings_);
+  json["loops"] = revisits_json(slam_.loops(), slam_.settings().loops);
   nlohmann::json& rows = json["rows"];
   for (const char* key : {"index", "state", "ms", "position"}) rows[key] = nlohmann::json::array();
   for (const Row& row : changed) {
@@ -139,12 +137,7 @@ Answer LiveView::state(const Query& query) {
 Answer LiveView::points() {
   const std::lock_guard lock(points_mutex_);
   if (points_.empty() || Clock::now() - points_made_ >= kBetweenPoints) {
-    std::vector<slam::PlyVertex> vertices;
-    {
-      const std::shared_lock map_lock(slam_.map().mutex());
-      vertices = slam::vertices_of(slam_.map());
-    }
-    points_ = points_json(vertices, kMostPagePoints).dump();
+    points_ = points_json(slam::point_cloud_of(slam_.map()).vertices, kMostPagePoints).dump();
     points_made_ = Clock::now();
   }
   return {"application/json", points_};

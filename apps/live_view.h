@@ -70,7 +70,6 @@ class LiveView {
   void move_rows(const slam::Trajectory& trajectory);
 
   const std::string page_;
-  const slam::LoopCloserSettings loop_settings_;
   const int frames_;
   const slam::Slam& slam_;
   std::atomic<bool> wanted_{false};  // trajectory and picture

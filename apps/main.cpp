@@ -4,8 +4,11 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <exception>
+#include <string>
 
+#include "apps/command_line.h"
 #include "apps/commands.h"
 #include "nn/base/error.h"
 
@@ -17,12 +20,15 @@ constexpr int kExitUsage = 2;
 }  // namespace
 
 int main(int argc, char** argv) {
+  penumbra::apps::remember_command_line(argc, argv);
+  // A file that grows beyond the shell's limit is an error like a full disk, not the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   // Results go to stdout, everything else to stderr.
   spdlog::set_default_logger(spdlog::stderr_color_mt("penumbra"));
   spdlog::set_pattern("%^%l%$: %v");
 
   CLI::App app{"Penumbra: stereo visual SLAM that sees half-hidden things", "penumbra"};
-  app.set_version_flag("--version", "penumbra 0.1.0");
+  app.set_version_flag("--version", std::string("penumbra ") + penumbra::apps::kVersion);
   app.require_subcommand(1);
   app.footer("Run `penumbra COMMAND --help` for a command's options and examples.");
 

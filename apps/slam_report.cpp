@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <shared_mutex>
 
+#include "apps/command_line.h"
 #include "slam/base/quantile.h"
+#include "slam/map/point_uncertainty.h"
 
 namespace penumbra::apps {
 
@@ -14,8 +17,7 @@ namespace {
 // To a thousandth: times need no more digits than a clock has.
 double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 
-nlohmann::json settings_json(const SlamRun& run) {
-  const slam::SlamSettings& s = run.settings;
+nlohmann::json settings_json(const SlamRun& run, const slam::SlamSettings& s) {
   return {{"features", s.orb.features},
           {"pyramid_levels", s.orb.pyramid.levels},
           {"scale_factor", s.orb.pyramid.scale_factor},
@@ -26,7 +28,7 @@ nlohmann::json settings_json(const SlamRun& run) {
           {"constellation", s.loops.verifier.constellation.enabled},
           {"self_calibration", s.full_bundle.disparity_offset_sigma > 0.0},
           {"threads", s.threads},
-          {"deterministic", run.deterministic},
+          {"deterministic", s.deterministic},
           {"localise", s.localise},
           {"least_similarity", s.tracker.keyframes.least_similarity},
           {"least_sharpness", s.tracker.least_sharpness},
@@ -112,15 +114,52 @@ nlohmann::json submaps_json(const std::vector<slam::SubmapSummary>& submaps) {
   return json;
 }
 
-nlohmann::json covisibility_json(const slam::Slam& slam) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const slam::KeyFrame* keyframe : slam.map().keyframes()) {
+// What the map holds, read while its worker may go on.
+struct MapSummary {
+  int points = 0, uncertain_points = 0;
+  double disparity_offset = 0.0;  // pixels
+  std::size_t keyframes = 0;      // those of a loaded map included
+  std::vector<int> keyframe_frames;
+  nlohmann::json covisibility = nlohmann::json::array();
+};
+
+MapSummary summary_of(const slam::Slam& slam) {
+  MapSummary summary;
+  const slam::Map& map = slam.map();
+  const std::shared_lock lock(map.mutex());
+  for (const auto& point : map.points()) {
+    if (point->erased) continue;
+    ++summary.points;
+    summary.uncertain_points += slam::is_mostly_uncertain(*point, map.camera(), map.scales());
+  }
+  summary.disparity_offset = map.camera().disparity_offset;
+  summary.keyframes = map.keyframes().size();
+  for (const slam::KeyFrame* keyframe : map.keyframes()) {
+    if (!slam.is_loaded(*keyframe)) summary.keyframe_frames.push_back(keyframe->frame_index);
     for (const slam::Covisible& c : keyframe->covisibles) {
       if (c.keyframe->id >= keyframe->id || slam.is_loaded(*c.keyframe)) continue;
-      json.push_back({keyframe->frame_index, c.keyframe->frame_index, c.shared_points});
+      summary.covisibility.push_back({keyframe->frame_index, c.keyframe->frame_index, c.shared_points});
     }
   }
-  return json;
+  return summary;
+}
+
+// Along the frames that were located one after the other.
+struct Way {
+  double metres = 0.0, seconds = 0.0;
+};
+Way way_of(const slam::Slam& slam) {
+  Way way;
+  const slam::Trajectory trajectory = slam.trajectory();
+  const auto is_located = [&](std::size_t i) {
+    return slam.results()[i].tracking.state == slam::TrackingState::tracking;
+  };
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    if (!is_located(i - 1) || !is_located(i) || slam.results()[i].tracking.starts_submap) continue;
+    way.metres += (trajectory[i].T_wc.translation - trajectory[i - 1].T_wc.translation).norm();
+    way.seconds += trajectory[i].timestamp - trajectory[i - 1].timestamp;
+  }
+  return way;
 }
 
 }  // namespace
@@ -146,25 +185,31 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
     if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
     if (result.tracking.state == slam::TrackingState::occluded) occluded_frames.push_back(result.index);
   }
-  int map_points = 0;
-  for (const auto& point : slam.map().points()) map_points += !point->erased;
+  const MapSummary map = summary_of(slam);
+  const Way way = way_of(slam);
 
   nlohmann::json json;
   json["dataset"] = run.dataset;
+  json["command"] = command_line();
+  json["version"] = kVersion;
+  if (!run.finished) json["unfinished"] = true;
   if (!run.error.empty()) json["error"] = run.error;
-  json["settings"] = settings_json(run);
+  json["warnings"] = run.warnings;
+  if (!run.why_lost.empty()) json["why_lost"] = run.why_lost;
+  json["settings"] = settings_json(run, slam.settings());
   json["frames"] = slam.results().size();
   json["tracked"] = slam.tracked();
   json["lost"] = slam.lost();
   json["lost_frames"] = lost_frames;
-  std::vector<int> keyframe_frames;
-  for (const slam::KeyFrame* k : slam.map().keyframes()) {
-    if (!slam.is_loaded(*k)) keyframe_frames.push_back(k->frame_index);
-  }
-  json["keyframes"] = keyframe_frames.size();
-  json["loaded_keyframes"] = slam.map().keyframes().size() - keyframe_frames.size();
-  json["map_points"] = map_points;
-  json["disparity_offset_px"] = rounded(slam.map().camera().disparity_offset);
+  json["unreadable_frames"] = run.unreadable_frames;
+  json["path_m"] = rounded(way.metres);
+  json["mean_speed_mps"] = rounded(way.seconds > 0.0 ? way.metres / way.seconds : 0.0);
+  json["median_depth_m"] = rounded(run.median_depth);
+  json["keyframes"] = map.keyframe_frames.size();
+  json["loaded_keyframes"] = map.keyframes - map.keyframe_frames.size();
+  json["map_points"] = map.points;
+  json["uncertain_points"] = map.uncertain_points;
+  json["disparity_offset_px"] = rounded(map.disparity_offset);
   json["movable_features"] = movable_features;
   json["occluded_frames"] = occluded_frames;
   json["instances"] = instances_json(slam);
@@ -184,12 +229,12 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["mismatch_filter"] = {{"kept", filter_kept}, {"removed", filter_removed}};
   if (run.evaluation) json["ground_truth"] = ground_truth_json(*run.evaluation);
   const std::vector<slam::ClosedLoop> loops = slam.loops();
-  json["loops"] = revisits_json(loops, run.settings.loops);
+  json["loops"] = revisits_json(loops, slam.settings().loops);
   json["loop_closures"] = loop_closures_json(loops);
   json["recognised_places"] = recognised_json(slam.recognised_places());
   json["submaps"] = submaps_json(slam.submaps());
-  json["keyframe_frames"] = keyframe_frames;
-  json["covisibility"] = covisibility_json(slam);
+  json["keyframe_frames"] = map.keyframe_frames;
+  json["covisibility"] = map.covisibility;
   return json;
 }
 

@@ -4,15 +4,20 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <exception>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "apps/frames_report.h"
 #include "apps/keyframe_gallery.h"
+#include "nn/base/error.h"
 #include "nn/io/file.h"
 #include "nn/io/image_file.h"
 #include "slam/evaluation/association.h"
 #include "slam/evaluation/trajectory_plot.h"
 #include "slam/geometry/trajectory_io.h"
+#include "slam/map/map_file.h"
 #include "slam/map/ply.h"
 
 namespace penumbra::apps {
@@ -56,29 +61,102 @@ std::optional<slam::Evaluation> evaluate(const slam::TrajectoryPair& pair) {
   return slam::evaluate_trajectory(pair.reference, pair.estimate, options);
 }
 
+// Writes one thing after the other and remembers what could not be written.
+class Writer {
+ public:
+  template <typename Write>
+  void write(Write&& write) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      failures_.emplace_back(error.what());
+    }
+  }
+  // The same of what can be drawn again.
+  template <typename Write>
+  void draw(Write&& write) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      spdlog::warn("left out: {}", error.what());
+    }
+  }
+  void throw_failures() const {
+    if (failures_.empty()) return;
+    throw Error(fmt::format("{}{}", failures_.front(),
+                            failures_.size() > 1 ? fmt::format(" (and {} more)", failures_.size() - 1) : ""));
+  }
+
+ private:
+  std::vector<std::string> failures_;
+};
+
+std::filesystem::path checkpoint_of(const std::filesystem::path& map) { return map.string() + ".checkpoint"; }
+
+// All that a run has found. What it has not is not left there from an earlier run either.
+void write_data(Writer& writer, const ResultPlaces& places, const slam::Slam& slam,
+                const slam::Trajectory& estimate, const slam::Trajectory& truth, const SlamRun& run,
+                const std::filesystem::path& map_file) {
+  const auto write_path = [&](const char* name, const slam::Trajectory& trajectory, auto write) {
+    const std::filesystem::path file = places.out / name;
+    writer.write([&] { trajectory.empty() ? void(std::filesystem::remove(file)) : write(file, trajectory); });
+  };
+  const auto as_tum = [](const auto& file, const auto& t) { slam::write_tum_trajectory(file, t); };
+  write_path("trajectory_kitti.txt", slam.trajectory(),
+             [](const auto& file, const auto& t) { slam::write_kitti_poses(file, t); });
+  write_path("trajectory_tum.txt", estimate, as_tum);
+  write_path("keyframes_tum.txt", slam.keyframe_trajectory(), as_tum);
+  write_path("ground_truth_tum.txt", truth, as_tum);
+  writer.write([&] { nn::write_file(places.out / "run.json", to_text(slam_report(run, slam))); });
+  writer.write([&] { nn::write_file(places.out / "frames.json", frames_report(slam).dump() + "\n"); });
+  if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, slam.map()); });
+  writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(slam.map())); });
+}
+
 }  // namespace
 
-void write_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
-                   const slam::Slam& slam, SlamRun& run) {
+void prepare_places(const ResultPlaces& places) {
+  std::error_code error;
+  std::filesystem::create_directories(places.out, error);
+  if (error) throw Error(fmt::format("{}: cannot be made: {}", places.out.string(), error.message()));
+  nn::require_writable_folder(places.out);
+  if (places.save_map.empty()) return;
+  if (std::filesystem::is_directory(places.save_map, error))
+    throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
+  const std::filesystem::path folder = places.save_map.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+    throw InputError(folder.string(), "a folder for the map", "none");
+  nn::require_writable_folder(folder.empty() ? "." : folder);
+}
+
+void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset, const slam::Slam& slam,
+                   SlamRun& run) {
+  const std::filesystem::path& out = places.out;
   const slam::Trajectory estimate = located(slam);
   const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
   const slam::Trajectory& truth = pair.reference;
   run.evaluation = evaluate(pair);
-  if (!slam.results().empty()) {
-    slam::write_kitti_poses(out / "trajectory_kitti.txt", slam.trajectory());
-    slam::write_tum_trajectory(out / "trajectory_tum.txt", estimate);
-    slam::write_tum_trajectory(out / "keyframes_tum.txt", slam.keyframe_trajectory());
-    if (!truth.empty()) slam::write_tum_trajectory(out / "ground_truth_tum.txt", truth);
-  }
-  if (!estimate.empty()) {
+  Writer writer;
+  write_data(writer, places, slam, estimate, truth, run, places.save_map);
+  if (estimate.empty()) {
+    writer.draw([&] { std::filesystem::remove(out / "trajectory.png"); });
+  } else {
     slam::TrajectoryPlotOptions plot;
     plot.title = dataset.name();
-    nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot));
+    writer.draw(
+        [&] { nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot)); });
   }
-  slam::write_ply(out / "map.ply", slam.map());
-  write_keyframe_gallery(out / "gallery", dataset, slam);
-  nn::write_file(out / "frames.json", frames_report(slam).dump() + "\n");
-  nn::write_file(out / "run.json", to_text(slam_report(run, slam)));
+  writer.draw([&] { write_keyframe_gallery(out / "gallery", dataset, slam); });
+  writer.throw_failures();
+  std::error_code none;
+  if (!places.save_map.empty()) std::filesystem::remove(checkpoint_of(places.save_map), none);
+}
+
+void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const SlamRun& run) {
+  Writer writer;
+  write_data(writer, places, slam, located(slam), {}, run,
+             places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
+  writer.throw_failures();
 }
 
 void warn_of_pieces(const slam::Slam& slam) {
@@ -97,6 +175,11 @@ void print_summary(const nlohmann::json& report, const std::filesystem::path& ou
              report["dataset"].get<std::string>(), report["frames"].get<int>(), report["tracked"].get<int>(),
              report["lost"].get<int>(), report["keyframes"].get<int>(), report["map_points"].get<int>(),
              report.value("median_ms", 0.0));
+  if (report["tracked"].get<int>() > 1) {
+    fmt::print("{:.1f} m, {:.2f} m/s on average; features at {:.2g} m (median)\n",
+               report["path_m"].get<double>(), report["mean_speed_mps"].get<double>(),
+               report["median_depth_m"].get<double>());
+  }
   if (const double offset = report["disparity_offset_px"].get<double>(); offset != 0.0) {
     fmt::print("disparities are {:.2f} pixels too {} for the calibration, which was taken into account\n",
                std::abs(offset), offset > 0.0 ? "large" : "small");

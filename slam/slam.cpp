@@ -7,6 +7,7 @@
 #include <shared_mutex>
 
 #include "nn/base/error.h"
+#include "slam/base/quantile.h"
 #include "slam/features/depth_measurement.h"
 #include "slam/features/grey_image.h"
 
@@ -61,6 +62,15 @@ std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
   return colours;
 }
 
+// Metres, of the features that have a depth; 0 where none has.
+double median_depth(const FrameFeatures& features) {
+  std::vector<double> depths;
+  for (int i = 0; i < features.size(); ++i) {
+    if (features.has_stereo(i)) depths.push_back(features.depth[static_cast<std::size_t>(i)]);
+  }
+  return quantile_of(std::move(depths), 0.5);
+}
+
 // Sightings are kept for every keyframe, so their masks are kept small.
 std::vector<InstanceSighting> shrunk(std::vector<InstanceSighting> sightings) {
   constexpr double kLongestSide = 64.0;  // pixels
@@ -76,23 +86,18 @@ std::vector<InstanceSighting> shrunk(std::vector<InstanceSighting> sightings) {
   return sightings;
 }
 
-TrackerSettings tracker_settings(const SlamSettings& settings, const StereoCamera& camera) {
-  TrackerSettings tracker = settings.tracker;
-  tracker.keyframes.close_depth = close_depth(camera, settings.mapper.point_creation);
-  tracker.extends_map = !settings.localise;
-  return tracker;
-}
-
-InstanceTrackerSettings instance_settings(const SlamSettings& settings, const StereoCamera& camera) {
-  InstanceTrackerSettings instances = settings.semantics.instances;
-  instances.close_depth = close_depth(camera, settings.mapper.point_creation);
-  return instances;
-}
-
-// Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
-SlamSettings with_bundle_threads(SlamSettings settings) {
+// What follows from the sensor, the camera and other settings, for every caller.
+SlamSettings derived(SlamSettings settings, Sensor sensor, const StereoCamera& camera) {
+  const double close = close_depth(camera, settings.mapper.point_creation);
+  settings.tracker.keyframes.close_depth = settings.semantics.instances.close_depth = close;
+  settings.tracker.extends_map = !settings.localise;
+  // Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
   const int threads = std::max(1, settings.deterministic ? settings.threads : settings.threads - 1);
   settings.mapper.bundle.threads = settings.full_bundle.threads = threads;
+  // Beside the tracker, with as many threads as processors, those would wait for each other.
+  if (settings.semantics.threads == 0) settings.semantics.threads = std::max(1, settings.threads - 1);
+  // The right columns of an RGB-D camera follow from its depth: they have no offset of their own.
+  if (sensor == Sensor::rgbd) settings.full_bundle.disparity_offset_sigma = 0.0;
   return settings;
 }
 
@@ -113,10 +118,11 @@ std::unique_ptr<Map> starting_map(const StereoCamera& camera, std::unique_ptr<Ma
 
 }  // namespace
 
-Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter,
+Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settings, Segmenter segmenter,
            std::unique_ptr<Map> loaded)
     : camera_(checked(camera)),
-      settings_(with_bundle_threads(settings)),
+      sensor_(sensor),
+      settings_(derived(settings, sensor, camera_)),
       left_orb_(settings.orb),
       right_orb_(settings.orb),
       owned_map_(starting_map(camera_, std::move(loaded), settings)),
@@ -125,20 +131,19 @@ Slam::Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter s
       index_(settings.index),
       mapper_(map_, settings_.mapper),
       loop_closer_(map_, index_, settings.loops),
-      tracker_(map_, index_, tracker_settings(settings, camera_), timer_),
-      instances_(camera_, map_.scales(), instance_settings(settings, camera_), map_.next_object_number()),
+      tracker_(map_, index_, settings_.tracker, timer_),
+      instances_(camera_, map_.scales(), settings_.semantics.instances, map_.next_object_number()),
       worker_(map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
-      segmentation_(
-          settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
-          !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
-          settings.semantics.threads > 0 ? settings.semantics.threads : std::max(1, settings.threads - 1)) {
+      segmentation_(settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
+                    !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
+                    settings_.semantics.threads) {
   camera_ = map_.camera();
   loop_closer_.adopt_map();
 }
 
 FrameResult Slam::process(const StereoImages& images) {
   check_image(images.left, camera_, images.index, "left");
-  if (images.depth.empty()) {
+  if (sensor_ == Sensor::stereo) {
     check_image(images.right, camera_, images.index, "right");
   } else {
     check_depth(images.depth, camera_, images.index);
@@ -146,6 +151,11 @@ FrameResult Slam::process(const StereoImages& images) {
   const auto scope = timer_.measure("frame");
   const std::shared_ptr<FrameFeatures> features = measure(images);
   return process(images.index, images.timestamp, features, images.left);
+}
+
+FrameResult Slam::process_missing(int index, double timestamp) {
+  const auto scope = timer_.measure("frame");
+  return process(index, timestamp, std::make_shared<FrameFeatures>(), {});
 }
 
 FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
@@ -164,6 +174,7 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
     result.stereo_features += features->has_stereo(i);
     result.movable_features += features->is_movable(i);
   }
+  result.median_depth = median_depth(*features);
   Frame frame;
   frame.covered_share = result.covered_share;
   frame.objects = instances_.objects();
@@ -201,7 +212,7 @@ std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   constexpr double kMostFeatures = 2.5;
   const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
   StereoMatches stereo;
-  if (images.depth.empty()) {
+  if (sensor_ == Sensor::stereo) {
     const cv::Mat right = to_grey(images.right);
     Features right_features;
     {

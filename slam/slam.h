@@ -1,7 +1,7 @@
 // The SLAM pipeline: stereo pairs, or images with their depth, go in, one after the other; a trajectory and a
 // map come out.
 //
-//   Slam slam(dataset.camera(), settings);
+//   Slam slam(dataset.camera(), dataset.sensor(), settings);
 //   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
 //   slam.finish();
 //   write(slam.trajectory());
@@ -67,6 +67,7 @@ struct FrameResult {
   int features = 0, stereo_features = 0;
   int movable_features = 0;    // on what is known or taken to move
   double covered_share = 0.0;  // of the image, by what moves
+  double median_depth = 0.0;   // metres, of the features that have one; 0: none has
 };
 
 // A piece of the map whose keyframes are tied to each other. One is all there should be; a further one begins
@@ -84,18 +85,20 @@ class Slam {
   // go on with or to find the way in; the trajectory is then in its world. Throws InputError for a camera
   // that cannot be (fx, fy or baseline not above zero or not finite, an image without pixels), a map with
   // another pyramid, and where there is no map to localise in.
-  Slam(const StereoCamera& camera, const SlamSettings& settings, Segmenter segmenter = {},
+  Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settings, Segmenter segmenter = {},
        std::unique_ptr<Map> loaded = {});
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // Takes the next pair, or the next image with its depth; grey or colour, of the camera's size (InputError
-  // otherwise, and where the first pairs show that left and right are exchanged).
+  // Takes the next pair, or the next image with its depth, as the sensor has them; grey or colour, of the
+  // camera's size (InputError otherwise, and where the first pairs show that left and right are exchanged).
   FrameResult process(const StereoImages& images);
   // The same for a frame whose features were found elsewhere, without the image.
   FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features) {
     return process(index, timestamp, features, {});
   }
+  // Takes the place of a frame whose images cannot be had: it is lost, its pose is the predicted one.
+  FrameResult process_missing(int index, double timestamp);
   // Waits until the map is complete. What is read before shows the map as far as it is.
   void finish();
 
@@ -110,6 +113,8 @@ class Slam {
   std::vector<RecognisedPlace> recognised_places() const;
   // The pieces of the map, in the order of their numbers.
   std::vector<SubmapSummary> submaps() const;
+  // The settings with what follows from the sensor and from each other.
+  const SlamSettings& settings() const { return settings_; }
   // What the newest frame showed. The thread that calls process() may ask.
   FrameView newest_view() const;
   // After finish() only, the worker's part in them being his until then; but the map may be read before by
@@ -142,6 +147,7 @@ class Slam {
   int count(TrackingState state) const;
 
   StereoCamera camera_;  // as the map had it at the last frame
+  const Sensor sensor_;
   const SlamSettings settings_;
   StageTimer timer_;
   OrbExtractor left_orb_, right_orb_;

@@ -13,6 +13,17 @@ function complain(text) {
   box.textContent = problems.join('; ');
 }
 
+// What the run itself said is probably wrong with the recording.
+function warnings(run) {
+  const texts = [...(run.warnings || []), ...(run.why_lost ? [run.why_lost] : [])];
+  element('warnings').hidden = texts.length === 0;
+  element('warnings').replaceChildren(...texts.map(text => {
+    const item = document.createElement('li');
+    item.textContent = text;
+    return item;
+  }));
+}
+
 function show_section(id, shown) { element(id).hidden = !shown; }
 
 function show_tiles(id, tiles) {
@@ -31,13 +42,19 @@ function summary(data) {
   element('headline').textContent = `${run.frames} frames, ${run.tracked} located, ${run.keyframes} keyframes, ` +
       `${run.map_points} map points`;
   if (run.error) complain(`The run stopped early: ${run.error}`);
+  if (run.unfinished) complain('This is a checkpoint: the run did not come to its end');
+  warnings(run);
   const tiles = [[run.frames, 'frames'], [run.lost, 'lost'], [run.keyframes, 'keyframes'], [run.map_points, 'map points'],
                  [(run.loops || []).length, 'loops closed']];
   if (run.median_ms !== undefined) tiles.push([fixed(run.median_ms, 1) + ' ms', 'a frame, median']);
   if (run.p95_ms !== undefined) tiles.push([fixed(run.p95_ms, 1) + ' ms', '95 % of frames below']);
   if (run.disparity_offset_px) tiles.push([fixed(run.disparity_offset_px, 2) + ' px', 'disparity offset found']);
+  if (run.path_m !== undefined) {
+    tiles.push([fixed(run.path_m, 1) + ' m', 'path'], [fixed(run.mean_speed_mps, 2) + ' m/s', 'mean speed'],
+               [fixed(run.median_depth_m, 1) + ' m', 'median depth of features']);
+  }
   if (truth) {
-    tiles.push([fixed(truth.path_m, 1) + ' m', 'path'], [fixed(truth.ape_rmse_m, 3) + ' m', 'position error (APE rmse)']);
+    tiles.push([fixed(truth.ape_rmse_m, 3) + ' m', 'position error (APE rmse)']);
     if (truth.t_rel_percent !== undefined) {
       tiles.push([fixed(truth.t_rel_percent, 2) + ' %', 'drift'],
                  [fixed(truth.r_rel_deg_per_100m, 2) + '°', 'rotation drift per 100 m']);
@@ -287,7 +304,7 @@ function show_report(data) {
   times(data);
   filter(data);
   gallery(data);
-  element('command').textContent = data.run.command || '';
+  element('command').textContent = data.run.command ? `${data.run.command}     # penumbra ${data.run.version}` : '';
   table('settings', Object.entries(data.run.settings || {}).map(([k, v]) => [k.replaceAll('_', ' '), JSON.stringify(v)]));
   show_section('settings-section', true);
   path_in_space(data);

@@ -1,9 +1,11 @@
 #include "nn/io/file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 
@@ -48,23 +50,32 @@ std::string read_file(const fs::path& path, std::string_view expected) {
   return bytes;
 }
 
-void write_file(const fs::path& path, std::string_view bytes) {
+void write_file(const fs::path& path, std::string_view bytes, bool durable) {
   const fs::path temporary = temporary_name(path);
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  if (!file) throw Error(fmt::format("{}: cannot be written: {}", path.string(), last_system_error()));
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  std::error_code error;
-  if (file.fail()) {
-    error = std::make_error_code(static_cast<std::errc>(errno));
-  } else {
-    fs::rename(temporary, path, error);
+  const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) throw Error(fmt::format("{}: cannot be written: {}", path.string(), last_system_error()));
+  bool good = true;
+  while (good && !bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written >= 0) bytes.remove_prefix(static_cast<std::size_t>(written));
+    good = written >= 0 || errno == EINTR;
   }
-  if (error) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw Error(fmt::format("{}: cannot be written: {}", path.string(), error.message()));
-  }
+  // EINVAL: a file system that has no such promise to give.
+  if (good && durable) good = fsync(file) == 0 || errno == EINVAL;
+  int reason = good ? 0 : errno;
+  if (close(file) != 0 && good) reason = errno;  // where a network disk says that it is full
+  if (reason == 0 && rename(temporary.c_str(), path.c_str()) != 0) reason = errno;
+  if (reason == 0) return;
+  unlink(temporary.c_str());
+  throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(reason)));
+}
+
+void require_writable_folder(const fs::path& folder) {
+  const fs::path probe = temporary_name(folder / "probe");
+  const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) throw Error(fmt::format("{}: no file can be written there: {}", folder.string(), last_system_error()));
+  close(file);
+  unlink(probe.c_str());
 }
 
 }  // namespace penumbra::nn

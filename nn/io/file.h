@@ -13,7 +13,12 @@ namespace penumbra::nn {
 std::string read_file(const std::filesystem::path& path, std::string_view expected);
 
 // Writes `bytes` under a temporary name in the same folder and renames it: a reader sees the old file or the
-// whole new one, never a part. Throws Error where the folder is missing, not writable or full.
-void write_file(const std::filesystem::path& path, std::string_view bytes);
+// whole new one, never a part, also after a power cut (`durable`; without it the file is on the disk when the
+// system finds time, which is enough for what can be made again). Throws Error where the folder is missing, not
+// writable or full.
+void write_file(const std::filesystem::path& path, std::string_view bytes, bool durable = true);
+
+// Throws Error unless a file can be written in `folder`; leaves nothing there.
+void require_writable_folder(const std::filesystem::path& folder);
 
 }  // namespace penumbra::nn

@@ -76,7 +76,7 @@ void write_image(const std::filesystem::path& path, const cv::Mat& image) {
     reason = error.err;
   }
   if (!reason.empty()) throw Error(fmt::format("{}: cannot encode the image: {}", path.string(), reason));
-  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, /*durable=*/false);
 }
 
 }  // namespace penumbra::nn

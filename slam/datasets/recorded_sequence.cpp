@@ -41,6 +41,7 @@ class RecordedSequence final : public StereoDataset {
   const StereoCamera& camera() const override { return r_.camera; }
   Sensor sensor() const override { return r_.sensor; }
   int size() const override { return static_cast<int>(r_.frames.size()); }
+  int frame_number(int i) const override { return frame(i).index; }
   double timestamp(int i) const override { return frame(i).timestamp; }
   const std::optional<Trajectory>& ground_truth() const override { return ground_truth_; }
   const std::vector<std::string>& notes() const override { return r_.notes; }

@@ -31,6 +31,8 @@ class StereoDataset {
   // Of RGB-D cameras the baseline is nominal: it says how depth is weighed against pixels.
   virtual const StereoCamera& camera() const = 0;
   virtual int size() const = 0;  // frames
+  // Number of frame `i` in the sequence, StereoImages::index.
+  virtual int frame_number(int i) const = 0;
   // Time of frame `i` in seconds, without reading its images.
   virtual double timestamp(int i) const = 0;
   // Reads frame `i`, 0 <= i < size(). Throws InputError for an image that is missing, torn or of another

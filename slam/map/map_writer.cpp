@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <shared_mutex>
 
 #include "nn/base/byte_stream.h"
 #include "nn/io/crc32.h"
@@ -76,9 +77,8 @@ void put_point(ByteWriter& out, const MapPoint& point, const std::vector<std::ui
   }
 }
 
-}  // namespace
-
-void write_map(const std::filesystem::path& path, const Map& map) {
+ByteWriter body_of(const Map& map) {
+  const std::shared_lock lock(map.mutex());
   ByteWriter body;
   put_camera(body, map.camera());
   body.put(static_cast<std::uint32_t>(map.scales().size()));
@@ -98,7 +98,13 @@ void write_map(const std::filesystem::path& path, const Map& map) {
   for (const auto& point : map.points()) {
     if (is_part(point)) put_point(body, *point, place_of);
   }
+  return body;
+}
 
+}  // namespace
+
+void write_map(const std::filesystem::path& path, const Map& map) {
+  const ByteWriter body = body_of(map);
   ByteWriter file;
   file.put_array(std::span(kMapFileMagic));
   file.put(kMapFileVersion);

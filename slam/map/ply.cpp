@@ -4,11 +4,13 @@
 
 #include <charconv>
 #include <cstring>
+#include <shared_mutex>
 #include <string>
 #include <string_view>
 
 #include "nn/base/error.h"
 #include "nn/io/file.h"
+#include "slam/map/point_uncertainty.h"
 
 namespace penumbra::slam {
 
@@ -28,31 +30,35 @@ PlyVertex vertex(const Eigen::Vector3d& position, std::array<std::uint8_t, 3> bg
 
 }  // namespace
 
-std::vector<PlyVertex> vertices_of(const Map& map) {
-  std::vector<PlyVertex> vertices;
-  vertices.reserve(map.points().size() + map.keyframes().size());
+PointCloud point_cloud_of(const Map& map) {
+  const std::shared_lock lock(map.mutex());
+  PointCloud cloud;
+  cloud.vertices.reserve(map.points().size() + map.keyframes().size());
   for (const auto& point : map.points()) {
-    if (!point->erased) vertices.push_back(vertex(point->position, point->colour));
+    if (point->erased) continue;
+    if (is_mostly_uncertain(*point, map.camera(), map.scales())) {
+      ++cloud.left_out;
+    } else {
+      cloud.vertices.push_back(vertex(point->position, point->colour));
+    }
   }
   for (const KeyFrame* keyframe : map.keyframes()) {
-    vertices.push_back(vertex(keyframe->T_cw.inverse().translation, {0, 0, 255}));
+    cloud.vertices.push_back(vertex(keyframe->T_cw.inverse().translation, {0, 0, 255}));
+    ++cloud.keyframes;
   }
-  return vertices;
+  return cloud;
 }
 
-void write_ply(const std::filesystem::path& path, const Map& map) {
-  const std::vector<PlyVertex> vertices = vertices_of(map);
-  std::string body;
-  body.reserve(kVertexBytes * vertices.size());
-  for (const PlyVertex& v : vertices) {
-    body.append(reinterpret_cast<const char*>(v.position.data()), 3 * sizeof(float));
-    body.append(reinterpret_cast<const char*>(v.colour.data()), 3);
-  }
-  const std::string header =
+void write_ply(const std::filesystem::path& path, const PointCloud& cloud) {
+  std::string text =
       fmt::format("{}comment Penumbra map: points, then {} keyframe positions in red\n{}{}\n{}", kBegin,
-                  map.keyframes().size(), kCount, vertices.size(), kEnd);
-
-  nn::write_file(path, header + body);
+                  cloud.keyframes, kCount, cloud.vertices.size(), kEnd);
+  text.reserve(text.size() + kVertexBytes * cloud.vertices.size());
+  for (const PlyVertex& v : cloud.vertices) {
+    text.append(reinterpret_cast<const char*>(v.position.data()), 3 * sizeof(float));
+    text.append(reinterpret_cast<const char*>(v.colour.data()), 3);
+  }
+  nn::write_file(path, text);
 }
 
 std::vector<PlyVertex> read_ply(const std::filesystem::path& path) {

@@ -10,18 +10,24 @@
 
 namespace penumbra::slam {
 
-// Binary little-endian PLY: the map points in the colour of the image, then the keyframes' positions in red;
-// per vertex x, y, z (float, metres, world) and red, green, blue (uchar). Written under a temporary name and
-// then renamed; throws Error where that fails.
-void write_ply(const std::filesystem::path& path, const Map& map);
-
 struct PlyVertex {
   std::array<float, 3> position;       // metres
   std::array<std::uint8_t, 3> colour;  // red, green, blue
 };
 
-// What write_ply writes of a map, whose mutex the caller holds shared where others may change it.
-std::vector<PlyVertex> vertices_of(const Map& map);
+// What a map looks like: its points, then the keyframes' positions in red. Points whose place is mostly
+// uncertainty (slam/map/point_uncertainty.h) are left out.
+struct PointCloud {
+  std::vector<PlyVertex> vertices;
+  int keyframes = 0;  // the last of the vertices
+  int left_out = 0;   // points
+};
+// Holds the map's mutex shared.
+PointCloud point_cloud_of(const Map& map);
+
+// Binary little-endian PLY: per vertex x, y, z (float, metres, world) and red, green, blue (uchar). Written
+// under a temporary name and then renamed; throws Error where that fails.
+void write_ply(const std::filesystem::path& path, const PointCloud& cloud);
 
 // The vertices of a file that write_ply wrote. Throws InputError for any other, or a torn one.
 std::vector<PlyVertex> read_ply(const std::filesystem::path& path);

@@ -21,21 +21,21 @@ TrackingReport Tracker::track(Frame& frame) {
   }
 
   refresh_map();
-  corners_ = frame.features->left.keypoints;
-  right_columns_ = frame.features->u_right;
+  loose_.clear();
   looked_for_.clear();
+  keep(frame, report, untouched_);
   const SE3 predicted = this->predicted(frame.timestamp);
   prior_ = expectation(frame, predicted);
   Located located = locate_by_prediction(frame, predicted, report);
   if (!located.success || located.off_map || !located.clear) {
-    const Attempt by_prediction = attempt(frame, located);
+    const Attempt by_prediction = attempt(frame, report);
     prior_.reset();
-    forget_attempt(frame);
+    forget_attempt(frame, report);
     const Located recognised = recognise(frame);
     if (recognised.success && (located.off_map || recognised.inliers > located.inliers)) {
       located = recognised;
     } else {
-      take(by_prediction, frame);
+      take(by_prediction, frame, report);
     }
   }
   if (located.success && follows_occluder(frame, predicted)) located = {};
@@ -43,7 +43,7 @@ TrackingReport Tracker::track(Frame& frame) {
   report.off_map = located.success && located.off_map;
   report.recovered = located.success && (state_ == TrackingState::lost || state_ == TrackingState::occluded);
   if (!located.success) {
-    forget_attempt(frame);
+    forget_attempt(frame, report);
     frame.T_cw = predicted;
   } else {
     pairs_ = located.pairs;
@@ -133,8 +133,8 @@ Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicte
   if (motion_.measured()) located = locate_around(frame, start, false, report);
   // What covers the view is rather what descriptors would find then.
   if (!clear(located) && (!prior_ || !motion_.measured())) {
-    const Attempt by_motion = attempt(frame, located);
-    forget_attempt(frame);
+    const Attempt by_motion = attempt(frame, report);
+    forget_attempt(frame, report);
     const std::optional<SE3> found = pose_from_descriptors(frame);
     if (found) start = *found;
     Located other;
@@ -142,11 +142,11 @@ Tracker::Located Tracker::locate_by_prediction(Frame& frame, const SE3& predicte
     if (other.success && (other.off_map ? !located.success : other.inliers > located.inliers)) {
       located = other;
     } else {
-      take(by_motion, frame);
+      take(by_motion, frame, report);
     }
   }
   if (!located.success && prior_) {
-    forget_attempt(frame);
+    forget_attempt(frame, report);
     return locate_by_turning(frame, start, report);
   }
   located.clear = prior_ || located.off_map || clear(located);
@@ -184,56 +184,56 @@ Tracker::Located Tracker::locate_around(Frame& frame, const SE3& start, bool may
   frame.T_cw = start;
   Located step = locate_from_last_frame(frame, settings_.search_radius, report);
   if (!is_clear(step.pairs, pairs_)) {
-    const Attempt narrow = attempt(frame, step);
+    const Attempt narrow = attempt(frame, report);
+    forget_attempt(frame, report);
     frame.T_cw = start;
     const Located wide = locate_from_last_frame(frame, settings_.wide_search_radius, report);
     if (wide.pairs > step.pairs) {
       step = wide;
     } else {
-      take(narrow, frame);
+      take(narrow, frame, report);
     }
   }
   report.frame_inliers = step.pairs;
   if (!step.success) return {};
   may_leave_map = may_leave_map && settings_.extends_map && step.pairs >= settings_.fewest_step_inliers;
-  const Attempt by_last_frame = may_leave_map ? attempt(frame, step) : Attempt();
+  const Attempt by_last_frame = may_leave_map ? attempt(frame, report) : Attempt();
   Located located = locate_in_local_map(frame);
   located.pairs = step.pairs;
   if (located.success || !may_leave_map) return located;
-  take(by_last_frame, frame);
+  take(by_last_frame, frame, report);
   step.inliers = step.pairs;
   step.off_map = true;
   return step;
 }
 
-// Another attempt begins: the features are where they were found.
-void Tracker::forget_attempt(Frame& frame) {
-  frame.features->left.keypoints = corners_;
-  frame.features->u_right = right_columns_;
-  std::fill(frame.points.begin(), frame.points.end(), nullptr);
-  std::fill(frame.aligned.begin(), frame.aligned.end(), 0);
-  loose_.clear();
-  looked_for_.clear();
+void Tracker::keep(const Frame& frame, const PairsReport& report, Attempt& attempt) const {
+  attempt.T_cw = frame.T_cw;
+  attempt.points = frame.points;
+  attempt.aligned = frame.aligned;
+  attempt.keypoints = frame.features->left.keypoints;
+  attempt.right_columns = frame.features->u_right;
+  attempt.movable = frame.features->movable;
+  attempt.pairs = report;
+  attempt.loose = loose_;
+  attempt.looked_for = looked_for_;
+  attempt.reference = reference_;
 }
 
-Tracker::Attempt Tracker::attempt(const Frame& frame, const Located& located) const {
-  return {located,
-          frame.T_cw,
-          frame.points,
-          frame.aligned,
-          frame.features->left.keypoints,
-          frame.features->u_right,
-          loose_,
-          looked_for_,
-          reference_};
+Tracker::Attempt Tracker::attempt(const Frame& frame, const PairsReport& report) const {
+  Attempt attempt;
+  keep(frame, report, attempt);
+  return attempt;
 }
 
-void Tracker::take(const Attempt& attempt, Frame& frame) {
+void Tracker::take(const Attempt& attempt, Frame& frame, PairsReport& report) {
   frame.T_cw = attempt.T_cw;
   frame.points = attempt.points;
   frame.aligned = attempt.aligned;
   frame.features->left.keypoints = attempt.keypoints;
   frame.features->u_right = attempt.right_columns;
+  frame.features->movable = attempt.movable;
+  report = attempt.pairs;
   loose_ = attempt.loose;
   looked_for_ = attempt.looked_for;
   reference_ = attempt.reference;
@@ -247,6 +247,7 @@ Tracker::Located Tracker::locate_by_turning(Frame& frame, const SE3& start, Trac
   int most = 0;
   SE3 best;
   const auto step_from = [&](const SE3& T_cw) {
+    forget_attempt(frame, report);
     prior_->T_cw = frame.T_cw = T_cw;
     return locate_from_last_frame(frame, settings_.search_radius, report);
   };

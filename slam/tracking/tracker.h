@@ -66,17 +66,22 @@ struct TrackerSettings {
   int longest_sharpness_wait = 3;  // frames
 };
 
-struct TrackingReport {
-  TrackingState state = TrackingState::initialising;
-  int frame_matches = 0;        // pairs with the last frame
-  MismatchFilterReport filter;  // what the mismatch filter did with them
-  int frame_inliers = 0;        // pairs that agree with the pose
-  int map_inliers = 0;          // map points that agree with the final pose
-  bool recovered = false;       // a lost one, found again
-  bool off_map = false;         // located by the last frame alone: its keyframe begins new ground
-  bool wants_keyframe = false;
-  bool starts_submap = false;     // its keyframe is the first of a new sub-map
+// What comparing a frame with the last one showed.
+struct PairsReport {
+  int frame_matches = 0;          // pairs
+  MismatchFilterReport filter;    // what the mismatch filter did with them
+  int frame_inliers = 0;          // pairs that agree with the pose
   std::optional<Instance> mover;  // a large thing that moves, found by geometry alone
+};
+
+// The pairs are those of the attempt that located the frame; a lost frame has none.
+struct TrackingReport : PairsReport {
+  TrackingState state = TrackingState::initialising;
+  int map_inliers = 0;     // map points that agree with the final pose
+  bool recovered = false;  // a lost one, found again
+  bool off_map = false;    // located by the last frame alone: its keyframe begins new ground
+  bool wants_keyframe = false;
+  bool starts_submap = false;  // its keyframe is the first of a new sub-map
 };
 
 class Tracker {
@@ -110,12 +115,13 @@ class Tracker {
   };
   // What an attempt to locate the frame has made of it, to go back to.
   struct Attempt {
-    Located located;
     SE3 T_cw;
     std::vector<MapPoint*> points;  // as Frame's
     std::vector<char> aligned;
     std::vector<Keypoint> keypoints;
     std::vector<float> right_columns;
+    std::vector<char> movable;
+    PairsReport pairs;
     std::vector<LoosePoint> loose;  // as the members
     std::vector<MapPoint*> looked_for;
     KeyFrame* reference = nullptr;
@@ -140,9 +146,10 @@ class Tracker {
   Located recognise(Frame& frame);
   std::vector<KeyFrame*> keyframes_near() const;
   bool is_clear(int inliers, int before) const;
-  void forget_attempt(Frame& frame);
-  Attempt attempt(const Frame& frame, const Located& located) const;
-  void take(const Attempt& attempt, Frame& frame);
+  void keep(const Frame& frame, const PairsReport& report, Attempt& attempt) const;
+  Attempt attempt(const Frame& frame, const PairsReport& report) const;
+  void take(const Attempt& attempt, Frame& frame, PairsReport& report);
+  void forget_attempt(Frame& frame, PairsReport& report) { take(untouched_, frame, report); }
   void count_sightings(const Frame& frame);
   std::vector<Match> filter_matches(const std::vector<Match>& matches,
                                     const std::vector<MatchedPixels>& pixels, TrackingReport& report) const;
@@ -159,12 +166,11 @@ class Tracker {
   const int first_own_keyframe_;  // id; older ones are of a map that was loaded
 
   TrackingState state_ = TrackingState::initialising;
-  LastFrame last_;                   // the last frame that was located
-  SE3 previous_T_cw_;                // of the frame before this one, located or predicted
-  double previous_time_ = 0.0;       // seconds
-  int pairs_ = 0, map_inliers_ = 0;  // of the last frame: with the one before, map points
-  std::vector<Keypoint> corners_;    // where the frame's features were found, before they are aligned
-  std::vector<float> right_columns_;
+  LastFrame last_;                     // the last frame that was located
+  SE3 previous_T_cw_;                  // of the frame before this one, located or predicted
+  double previous_time_ = 0.0;         // seconds
+  int pairs_ = 0, map_inliers_ = 0;    // of the last frame: with the one before, map points
+  Attempt untouched_;                  // the frame before the first attempt
   std::vector<LoosePoint> loose_;      // that the frame shows
   std::vector<MapPoint*> looked_for_;  // that the frame should show
   MotionModel motion_;

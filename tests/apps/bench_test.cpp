@@ -92,7 +92,7 @@ TEST(Calibrate, MakesWeightsThatRunInInt8) {
 TEST(Bench, SlamRunsEverythingInAFolder) {
   const test::TemporaryDirectory folder;
   const std::string root = folder.path().string();
-  for (const char* where : {"data/kitti", "data/own/away"}) {
+  for (const char* where : {"data/kitti", "data/own/away", "data/other/away"}) {
     ASSERT_EQ(
         test::run_penumbra(fmt::format("synth --frames 3 --size 200x80 --out {}/{}", root, where)).exit_code,
         0);
@@ -101,7 +101,7 @@ TEST(Bench, SlamRunsEverythingInAFolder) {
   const std::string command =
       fmt::format("bench slam {0}/data --streets {0}/streets --street-frames 3 --out {0}/out", root);
   const nlohmann::json result = json_of(command + " --deterministic --json");
-  ASSERT_EQ(result["runs"].size(), 4U);
+  ASSERT_EQ(result["runs"].size(), 5U);
   std::vector<std::string> names;
   for (const nlohmann::json& run : result["runs"]) {
     names.push_back(run["name"]);
@@ -113,15 +113,20 @@ TEST(Bench, SlamRunsEverythingInAFolder) {
       EXPECT_GT(run[key], 0.0) << key;
     }
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"kitti-00", "away-00", "street-block-3", "street-eight-3"}));
+  // Two recordings of one name are two rows and two folders.
+  EXPECT_EQ(names, (std::vector<std::string>{"kitti-00", "other/away-00", "own/away-00", "street-block-3",
+                                             "street-eight-3"}));
+  for (const std::string& name : names)
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / name / "run.json"));
+  EXPECT_EQ(test::read_json(folder / "out/table.json"), result);
 
   // A recording that cannot be read is a row that says so, and the others are run all the same.
-  std::filesystem::resize_file(folder / "data/kitti/sequences/00/image_1/000001.png", 100);
+  std::filesystem::resize_file(folder / "data/kitti/sequences/00/calib.txt", 100);
   const test::ProgramResult torn = test::run_penumbra(fmt::format("bench slam {0}/data --out {0}/out", root));
   EXPECT_EQ(torn.exit_code, 1);
   EXPECT_NE(torn.out.find("failed"), std::string::npos) << torn.out;
   EXPECT_NE(torn.out.find("away-00"), std::string::npos);
-  EXPECT_NE(torn.err.find("000001.png"), std::string::npos) << torn.err;
+  EXPECT_NE(torn.err.find("calib.txt"), std::string::npos) << torn.err;
 
   EXPECT_EQ(test::run_penumbra("bench slam --out " + root).exit_code, 2);
   EXPECT_EQ(test::run_penumbra(fmt::format("bench slam {0}/data/photos --out {0}/out", root)).exit_code, 1);

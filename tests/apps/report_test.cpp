@@ -57,6 +57,9 @@ TEST_F(Report, HoldsTheNumbersOfTheRun) {
   EXPECT_EQ(data["truth"].size(), 12U);
   EXPECT_EQ(data["error"].size(), 12U);
   EXPECT_EQ(data["gallery"].size(), data["run"]["keyframes"]);
+  const std::string folder = shared->path().string();
+  EXPECT_EQ(data["run"]["command"], fmt::format("penumbra slam {0}/street --out {0}/run", folder));
+  EXPECT_EQ(data["run"]["version"], "0.1.0");
 }
 
 TEST_F(Report, NeedsNoNetwork) {
@@ -72,6 +75,7 @@ TEST_F(Report, LoadsInABrowserAndDrawsEverything) {
   if (browser.empty()) GTEST_SKIP() << test::kNoBrowser;
   nlohmann::json json = nlohmann::json::parse(test::read_file(run / "run.json"));
   json["loops"] = {{0, 11}};
+  json["warnings"] = {"the baseline is 537 m"};
   write(run / "run.json", json.dump());
   ASSERT_EQ(report().exit_code, 0);
   const std::string dom = test::dump_dom(browser, "file://" + (run / "report.html").string());
@@ -82,6 +86,8 @@ TEST_F(Report, LoadsInABrowserAndDrawsEverything) {
   }
   for (const char* id : {"top", "space", "error", "time", "filter"})
     EXPECT_TRUE(test::is_drawn(dom, id)) << id;
+  EXPECT_NE(dom.find("<li>the baseline is 537 m</li>"), std::string::npos);
+  EXPECT_NE(dom.find(json["command"].get<std::string>()), std::string::npos) << "how to repeat the run";
   EXPECT_NE(dom.find(fmt::format("{} map points", json["map_points"].get<int>())), std::string::npos);
 }
 

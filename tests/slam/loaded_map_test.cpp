@@ -18,7 +18,7 @@ using penumbra::test::expect_error;
 class LoadedMap : public ::testing::Test {
  protected:
   LoadedMap() {
-    Slam slam(world.camera(), settings);
+    Slam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, 0.0, 50.0);
     slam.finish();
     saved_keyframes = slam.map().keyframes().size();
@@ -50,7 +50,7 @@ class LoadedMap : public ::testing::Test {
 
 TEST_F(LoadedMap, IsFoundOnesWayInFromTheFirstFrameAndStaysAsItIs) {
   settings.localise = true;
-  Slam slam(world.camera(), settings, {}, load());
+  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 20.3, 40.0);
   drive(slam, 5.5, 15.0);  // carried elsewhere
   slam.finish();
@@ -63,7 +63,7 @@ TEST_F(LoadedMap, IsFoundOnesWayInFromTheFirstFrameAndStaysAsItIs) {
 
 TEST_F(LoadedMap, BeyondItsEndTheCameraIsLostUntilItComesBack) {
   settings.localise = true;
-  Slam slam(world.camera(), settings, {}, load());
+  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 80.0, 90.0);  // where nobody has been
   EXPECT_EQ(slam.lost(), 10);
   drive(slam, 30.0, 34.0);
@@ -73,7 +73,7 @@ TEST_F(LoadedMap, BeyondItsEndTheCameraIsLostUntilItComesBack) {
 }
 
 TEST_F(LoadedMap, IsGoneOnWith) {
-  Slam slam(world.camera(), settings, {}, load());
+  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 40.2, 70.0);
   slam.finish();
   EXPECT_EQ(slam.lost(), 0);
@@ -87,7 +87,7 @@ TEST_F(LoadedMap, IsGoneOnWith) {
 }
 
 TEST_F(LoadedMap, IsTiedToWhatBeganElsewhere) {
-  Slam slam(world.camera(), settings, {}, load());
+  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 75.0, 118.0);  // from where nobody has been into the map's beginning
   slam.finish();
   ASSERT_EQ(slam.submaps().size(), 1U);
@@ -100,12 +100,16 @@ TEST_F(LoadedMap, IsTiedToWhatBeganElsewhere) {
 
 TEST_F(LoadedMap, OfAnotherPyramidOrNoneIsRefused) {
   settings.orb.pyramid.levels = 4;
-  expect_error<InputError>([&] { Slam(world.camera(), settings, {}, load()); }, {"loaded map", "4 levels"});
+  expect_error<InputError>([&] { Slam(world.camera(), Sensor::stereo, settings, {}, load()); },
+                           {"loaded map", "4 levels"});
   settings = {};
   settings.localise = true;
-  expect_error<InputError>([&] { Slam(world.camera(), settings); }, {"localisation", "none"});
+  expect_error<InputError>([&] { Slam(world.camera(), Sensor::stereo, settings); }, {"localisation", "none"});
   expect_error<InputError>(
-      [&] { Slam(world.camera(), settings, {}, std::make_unique<Map>(world.camera(), world.scales())); },
+      [&] {
+        Slam(world.camera(), Sensor::stereo, settings, {},
+             std::make_unique<Map>(world.camera(), world.scales()));
+      },
       {"localisation", "an empty one"});
 }
 

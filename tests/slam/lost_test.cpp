@@ -32,7 +32,7 @@ class Lost : public ::testing::Test {
 };
 
 TEST_F(Lost, ARingIsFollowedAndClosed) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 124.0);
   slam.finish();
   EXPECT_EQ(slam.lost(), 0);
@@ -43,7 +43,7 @@ TEST_F(Lost, ARingIsFollowedAndClosed) {
 }
 
 TEST_F(Lost, FiveDarkFramesCostFiveFrames) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   for (int i = 0; i < 40; ++i) show(slam, i, i >= 20 && i < 25);
   EXPECT_EQ(slam.lost(), 5);
   EXPECT_FALSE(slam.results()[24].tracking.recovered);
@@ -54,7 +54,7 @@ TEST_F(Lost, FiveDarkFramesCostFiveFrames) {
 }
 
 TEST_F(Lost, AJumpBackToAPlaceOfLongAgoIsLocatedAtOnce) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 70.0);
   drive(slam, 20.3, 35.0);
   EXPECT_EQ(slam.lost(), 0);
@@ -66,7 +66,7 @@ TEST_F(Lost, AJumpBackToAPlaceOfLongAgoIsLocatedAtOnce) {
 TEST_F(Lost, DoubleAndTripleStepAreFollowed) {
   for (const double step : {2.0, 3.0}) {
     truth.clear();
-    Slam slam(world.camera(), settings);
+    Slam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, 0.0, 100.0, step);
     EXPECT_EQ(slam.lost(), 0) << step;
     EXPECT_LT(error(slam, truth.size() - 1), 0.5) << step;
@@ -75,7 +75,7 @@ TEST_F(Lost, DoubleAndTripleStepAreFollowed) {
 
 // After standing still no prediction leads to the next frame, and the last keyframe alone has made points.
 TEST_F(Lost, AStepThatNobodyExpectsIsFollowed) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   for (int i = 0; i < 6; ++i) show(slam, 0.0);
   drive(slam, 3.0, 60.0, 3.0);
   EXPECT_EQ(slam.lost(), 0);
@@ -84,7 +84,7 @@ TEST_F(Lost, AStepThatNobodyExpectsIsFollowed) {
 }
 
 TEST_F(Lost, ANewPieceIsMergedWhenItComesToAKnownPlace) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 25.0);
   drive(slam, 60.0, 80.0);
   ASSERT_EQ(slam.submaps().size(), 2U);
@@ -100,7 +100,7 @@ TEST_F(Lost, ANewPieceIsMergedWhenItComesToAKnownPlace) {
 }
 
 TEST_F(Lost, APieceThatIsNeverTiedKeepsItsGuess) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 25.0);
   drive(slam, 55.0, 80.0);
   slam.finish();
@@ -124,7 +124,7 @@ TEST_F(Lost, EverythingRepeatsBitForBit) {
   std::vector<Trajectory> trajectories;
   for (const int threads : {1, 2}) {
     settings.threads = threads;
-    Slam slam(world.camera(), settings);
+    Slam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, 0.0, 25.0);
     drive(slam, 60.0, 124.0);
     slam.finish();

@@ -52,7 +52,7 @@ class SelfCalibration : public ::testing::Test {
 TEST_F(SelfCalibration, FindsTheOffsetAndMendsTheWay) {
   for (const double offset : {-0.3, 0.3}) {
     truth.clear();
-    Slam slam(world.camera(), settings);
+    Slam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, offset, 60.0);
     EXPECT_NEAR(slam.map().camera().disparity_offset, offset, 0.1);
     const double with = error(slam);
@@ -60,7 +60,7 @@ TEST_F(SelfCalibration, FindsTheOffsetAndMendsTheWay) {
     truth.clear();
     SlamSettings off = settings;
     off.full_bundle.disparity_offset_sigma = 0.0;
-    Slam exact(world.camera(), off);
+    Slam exact(world.camera(), Sensor::stereo, off);
     drive(exact, offset, 60.0);
     EXPECT_EQ(exact.map().camera().disparity_offset, 0.0);
     EXPECT_LT(with, 0.7 * error(exact)) << offset;
@@ -68,19 +68,19 @@ TEST_F(SelfCalibration, FindsTheOffsetAndMendsTheWay) {
 }
 
 TEST_F(SelfCalibration, FindsNoneWhereThereIsNone) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 60.0);
   EXPECT_NEAR(slam.map().camera().disparity_offset, 0.0, 0.1);
 }
 
 TEST_F(SelfCalibration, GoesOnFromTheOffsetOfALoadedMap) {
   const penumbra::test::TemporaryDirectory folder;
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.5, 60.0);
   write_map(folder / "ring.map", slam.map());
   settings.localise = true;
   truth.clear();
-  Slam again(world.camera(), settings, {}, read_map(folder / "ring.map"));
+  Slam again(world.camera(), Sensor::stereo, settings, {}, read_map(folder / "ring.map"));
   EXPECT_EQ(again.map().camera().disparity_offset, slam.map().camera().disparity_offset);
   drive(again, 0.5, 30.0);
   EXPECT_EQ(again.lost(), 0);

@@ -75,7 +75,7 @@ void expect_equal(const Trajectory& a, const Trajectory& b) {
 
 TEST(Slam, FollowsACameraAlongWalls) {
   const Walls walls;
-  Slam slam(walls.camera(), {});
+  Slam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 30; ++i) slam.process(walls.frame(3 * i));
   EXPECT_EQ(slam.lost(), 0);
   const Trajectory trajectory = slam.trajectory();
@@ -89,7 +89,7 @@ TEST(Slam, FollowsACameraAlongWalls) {
 
 TEST(Slam, BlackFramesAreLostAndTheWayIsFoundAgain) {
   const Walls walls;
-  Slam slam(walls.camera(), {});
+  Slam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 30; ++i) slam.process(i >= 12 && i < 17 ? black(walls, i) : walls.frame(i));
   EXPECT_EQ(slam.lost(), 5);
   const Trajectory trajectory = slam.trajectory();
@@ -101,7 +101,7 @@ TEST(Slam, BlackFramesAreLostAndTheWayIsFoundAgain) {
 
 TEST(Slam, ASequenceThatJumpsIsFollowed) {
   const Walls walls;
-  Slam slam(walls.camera(), {});
+  Slam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 40; ++i) {
     if (i < 15 || i >= 22) slam.process(walls.frame(i));
   }
@@ -111,7 +111,7 @@ TEST(Slam, ASequenceThatJumpsIsFollowed) {
 
 TEST(Slam, GoesOnWithANewPieceWhereNothingIsRecognised) {
   const Walls walls;
-  Slam slam(walls.camera(), {});
+  Slam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 10; ++i) slam.process(walls.frame(i));
   const std::size_t keyframes = slam.map().keyframes().size();
   // Suddenly a different place: upside down.
@@ -129,7 +129,7 @@ TEST(Slam, GoesOnWithANewPieceWhereNothingIsRecognised) {
 
 TEST(Slam, StartsWhenThereIsSomethingToSee) {
   const Walls walls;
-  Slam slam(walls.camera(), {});
+  Slam slam(walls.camera(), Sensor::stereo, {});
   EXPECT_TRUE(slam.trajectory().empty());
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(slam.process(black(walls, i)).tracking.state, TrackingState::initialising);
@@ -141,7 +141,7 @@ TEST(Slam, StartsWhenThereIsSomethingToSee) {
 
 TEST(Slam, TakesTimesThatStandStillRunBackwardsOrAreNoNumbers) {
   const Walls walls;
-  Slam slam(walls.camera(), {});
+  Slam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 12; ++i) {
     StereoImages images = walls.frame(i);
     if (i % 3 == 0) images.timestamp = 1.0;
@@ -157,7 +157,7 @@ TEST(Slam, ResultsRepeatBitForBitWhateverTheThreads) {
   std::vector<Trajectory> trajectories;
   for (const int threads : {1, 2, 2}) {
     settings.threads = threads;
-    Slam slam(walls.camera(), settings);
+    Slam slam(walls.camera(), Sensor::stereo, settings);
     for (int i = 0; i < 15; ++i) slam.process(walls.frame(2 * i));
     trajectories.push_back(slam.trajectory());
   }
@@ -182,7 +182,7 @@ TEST(Slam, ByClassAloneMovableInstancesStayOutOfTheMap) {
   SlamSettings settings;
   settings.semantics.mode = SegmentationMode::all;
   settings.semantics.instances.check_motion = false;
-  Slam slam(walls.camera(), settings, upper_half);
+  Slam slam(walls.camera(), Sensor::stereo, settings, upper_half);
   for (int i = 0; i < 8; ++i) {
     const FrameResult result = slam.process(walls.frame(2 * i));
     EXPECT_GT(result.movable_features, result.features / 4);
@@ -193,7 +193,7 @@ TEST(Slam, ByClassAloneMovableInstancesStayOutOfTheMap) {
 
 TEST(Slam, WhatStandsStaysInTheMapWhateverItsClass) {
   const Walls walls;
-  Slam slam(walls.camera(), {}, upper_half);
+  Slam slam(walls.camera(), Sensor::stereo, {}, upper_half);
   for (int i = 0; i < 16; ++i) slam.process(walls.frame(2 * i));
   slam.finish();
   EXPECT_EQ(slam.lost(), 0);
@@ -205,7 +205,7 @@ TEST(Slam, WhatStandsStaysInTheMapWhateverItsClass) {
 TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
   const Walls walls;
   std::vector<int> segmented;
-  Slam slam(walls.camera(), {}, [&](int frame, const cv::Mat&) {
+  Slam slam(walls.camera(), Sensor::stereo, {}, [&](int frame, const cv::Mat&) {
     segmented.push_back(frame);
     return std::vector<Instance>{};
   });
@@ -221,7 +221,7 @@ TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
 TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
   const Walls walls;
   const penumbra::test::TemporaryDirectory folder;
-  Slam first(walls.camera(), {});
+  Slam first(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 12; ++i) first.process(walls.frame(i));
   first.finish();
   write_map(folder / "walls.map", first.map());
@@ -233,7 +233,7 @@ TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
   };
   SlamSettings settings;
   settings.localise = true;
-  Slam again(walls.camera(), settings, segmenter, read_map(folder / "walls.map"));
+  Slam again(walls.camera(), Sensor::stereo, settings, segmenter, read_map(folder / "walls.map"));
   for (int i = 0; i < 8; ++i) again.process(walls.frame(i));
   EXPECT_EQ(again.lost(), 0);
   EXPECT_EQ(segmented, (std::vector<int>{0, 3, 6}));
@@ -241,7 +241,7 @@ TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
 
 TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {
   const Walls walls;
-  Slam slam(walls.camera(), {});
+  Slam slam(walls.camera(), Sensor::stereo, {});
   StereoImages images = walls.frame(0);
   images.right = images.right.colRange(0, 600);
   EXPECT_THROW(slam.process(images), InputError);
@@ -253,16 +253,32 @@ TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {
   EXPECT_THROW(slam.process(images), InputError);
   StereoCamera broken = walls.camera();
   broken.baseline = 0.0;
-  EXPECT_THROW(Slam(broken, {}), InputError);
+  EXPECT_THROW(Slam(broken, Sensor::stereo, {}), InputError);
   broken = walls.camera();
   broken.cx = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(Slam(broken, {}), InputError);
+  EXPECT_THROW(Slam(broken, Sensor::stereo, {}), InputError);
+}
+
+// Depth has no disparity at infinity, whoever calls: nothing of the kind may be calibrated.
+TEST(Slam, DerivesSettingsFromTheSensor) {
+  const Walls walls;
+  Slam stereo(walls.camera(), Sensor::stereo, {});
+  EXPECT_GT(stereo.settings().full_bundle.disparity_offset_sigma, 0.0);
+  Slam rgbd(walls.camera(), Sensor::rgbd, {});
+  EXPECT_EQ(rgbd.settings().full_bundle.disparity_offset_sigma, 0.0);
+
+  StereoImages images = walls.frame(0);
+  EXPECT_THROW(rgbd.process(images), InputError) << "a right image";
+  images.depth = cv::Mat(images.left.size(), CV_32F, cv::Scalar(2.0));
+  images.right = cv::Mat();
+  EXPECT_NO_THROW(rgbd.process(images));
+  EXPECT_THROW(stereo.process(images), InputError) << "depth";
 }
 
 // Drift over segments of 10 to 50 metres.
 SegmentDrift drift_on(const std::filesystem::path& folder, const SlamSettings& settings, int& lost) {
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
-  Slam slam(dataset->camera(), settings);
+  Slam slam(dataset->camera(), dataset->sensor(), settings);
   for (int i = 0; i < dataset->size(); ++i) slam.process(dataset->load(i));
   lost = slam.lost();
   return kitti_metrics(*dataset->ground_truth(), slam.trajectory(), {10.0, 20.0, 30.0, 40.0, 50.0}).overall;
@@ -287,7 +303,7 @@ TEST(SlamRealData, EverySecondAndEveryThirdFrameIsEnough) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
   for (const int step : {2, 3}) {
-    Slam slam(dataset->camera(), {});
+    Slam slam(dataset->camera(), dataset->sensor(), {});
     Trajectory truth;
     for (int i = 0; i < dataset->size(); i += step) {
       slam.process(dataset->load(i));
@@ -300,7 +316,7 @@ TEST(SlamRealData, EverySecondAndEveryThirdFrameIsEnough) {
 
 // Metres between the camera's path and its ground truth, root mean square, of the frames that were located.
 double path_error(const StereoDataset& dataset, int& lost) {
-  Slam slam(dataset.camera(), {});
+  Slam slam(dataset.camera(), dataset.sensor(), {});
   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
   slam.finish();
   lost = slam.lost();
@@ -334,7 +350,7 @@ TEST(SlamRealData, AFrameASecondIsEnoughInARoom) {
 TEST(SlamRealData, FramesLeftOutAndBlackFramesDoNotEndTracking) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
-  Slam slam(dataset->camera(), {});
+  Slam slam(dataset->camera(), dataset->sensor(), {});
   Trajectory truth;
   for (int i = 0; i < dataset->size(); ++i) {
     if (i == 15 || i == 16) continue;  // a jump of four metres

@@ -105,7 +105,8 @@ CaseResult run_case(const Case& c, const fs::path& folder) {
   fs::create_directories(work);
   std::ofstream text(script);
   text << fmt::format(
-      "set -eu\nSOURCE='{}' FIXTURES='{}' DATA='{}' CASES='{}'\npenumbra() {{ '{}' \"$@\"; }}\n",
+      "set -eu\nSOURCE='{}' FIXTURES='{}' DATA='{}' CASES='{}' PENUMBRA='{}'\npenumbra() {{ \"$PENUMBRA\" "
+      "\"$@\"; }}\n",
       source_path("").string(), fixture("").string(), fs::absolute(data_root()).string(),
       fs::absolute(cases_root()).string(), PENUMBRA_BINARY);
   // What prepares the case must succeed; its output is shown only where it does not.

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct Case {
   std::vector<std::string> make, run, says, says_not;
   int exit_code = 0;
 };
+
+// For GoogleTest's messages.
+inline void PrintTo(const Case& c, std::ostream* out) { *out << c.place << " (" << c.name << ")"; }
 
 // All cases of the tables *.cases in `folder`, by kind. Throws InputError (file:line) for a key that is not
 // known, a case without name, reason or something to run, and a name that stands twice.

@@ -41,9 +41,9 @@ class SlamThreads : public ::testing::Test {
 };
 
 TEST_F(SlamThreads, FollowTheStreetAsOneThreadDoes) {
-  Slam threaded(camera, settings);
+  Slam threaded(camera, Sensor::stereo, settings);
   settings.deterministic = true;
-  Slam in_line(camera, settings);
+  Slam in_line(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) {
     threaded.process(pair);
     in_line.process(pair);
@@ -61,7 +61,7 @@ TEST_F(SlamThreads, FollowTheStreetAsOneThreadDoes) {
 }
 
 TEST_F(SlamThreads, LeaveAConsistentMap) {
-  Slam slam(camera, settings);
+  Slam slam(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) slam.process(pair);
   slam.finish();
   for (const auto& point : slam.map().points()) {
@@ -74,13 +74,13 @@ TEST_F(SlamThreads, LeaveAConsistentMap) {
 }
 
 TEST_F(SlamThreads, CanBeLeftInTheMiddle) {
-  Slam slam(camera, settings);
+  Slam slam(camera, Sensor::stereo, settings);
   for (int i = 0; i < 20; ++i) slam.process(images[static_cast<std::size_t>(i)]);
   // The destructor ends the threads, whatever they were doing.
 }
 
 TEST_F(SlamThreads, SurviveABlackout) {
-  Slam slam(camera, settings);
+  Slam slam(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) {
     StereoImages shown = pair;
     if (pair.index >= 25 && pair.index < 30) {
@@ -101,7 +101,8 @@ TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
   car.score = 1.0F;
   car.region = cv::Rect(180, 50, 90, 50);
   car.mask = cv::Mat1b(50, 90, std::uint8_t{255});
-  Slam slam(camera, settings, [&](int, const cv::Mat&) { return std::vector<Instance>{car}; });
+  Slam slam(camera, Sensor::stereo, settings,
+            [&](int, const cv::Mat&) { return std::vector<Instance>{car}; });
   for (const StereoImages& pair : images) slam.process(pair);
   slam.finish();
   EXPECT_EQ(slam.trajectory().size(), images.size());
@@ -110,13 +111,12 @@ TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
 
 // As `penumbra slam --view` does.
 TEST_F(SlamThreads, ShowTheMapToWhoLooksOn) {
-  Slam slam(camera, settings);
+  Slam slam(camera, Sensor::stereo, settings);
   std::atomic<bool> done{false};
   std::size_t most = 0;
   std::thread watcher([&] {
     while (!done) {
-      const std::shared_lock lock(slam.map().mutex());
-      most = std::max(most, vertices_of(slam.map()).size());
+      most = std::max(most, point_cloud_of(slam.map()).vertices.size());
     }
   });
   for (const StereoImages& pair : images) {
@@ -127,6 +127,18 @@ TEST_F(SlamThreads, ShowTheMapToWhoLooksOn) {
   done = true;
   watcher.join();
   EXPECT_GT(most, 0U);
+}
+
+// As `penumbra slam --checkpoint` does: the map is written while the worker goes on.
+TEST_F(SlamThreads, WriteTheMapBetweenFrames) {
+  const test::TemporaryDirectory folder;
+  Slam slam(camera, Sensor::stereo, settings);
+  for (const StereoImages& pair : images) {
+    slam.process(pair);
+    write_map(folder / "yard.map", slam.map());
+    EXPECT_LE(read_map(folder / "yard.map")->keyframes().size(), images.size());
+  }
+  slam.finish();
 }
 
 // Seventy frames round a ring: a loop is closed, and the whole map adjusted, while the tracker goes on.
@@ -151,7 +163,7 @@ class LoopThreads : public ::testing::Test {
 };
 
 TEST_F(LoopThreads, CloseALoopWhileTrackingGoesOn) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 70);
   slam.finish();
   EXPECT_GE(slam.loops().size(), 1U);
@@ -164,7 +176,7 @@ TEST_F(LoopThreads, CloseALoopWhileTrackingGoesOn) {
 }
 
 TEST_F(LoopThreads, CanBeLeftWhileTheWholeMapIsAdjusted) {
-  Slam slam(world.camera(), settings);
+  Slam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 68);
 }
 

@@ -68,7 +68,7 @@ TEST_F(StereoOrderCheck, PairsThatTellNothingAreNoError) {
 TEST(StereoOrderRealData, ExchangedKittiImagesAreNoticed) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/00");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
-  Slam right_way(dataset->camera(), {}), wrong_way(dataset->camera(), {});
+  Slam right_way(dataset->camera(), Sensor::stereo, {}), wrong_way(dataset->camera(), Sensor::stereo, {});
   int frames = 0;
   EXPECT_THROW(
       for (; frames < 5; ++frames) {

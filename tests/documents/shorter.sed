@@ -1,0 +1,18 @@
+# What makes an example of the docs small enough for a test; all else is run as it stands.
+s/[[:space:]]+#.*$//
+/penumbra synth/{
+  s/ --(frames|size) [^ ]+//g
+  s/$/ --frames 2 --size 310x94 --overwrite/
+}
+/penumbra ablate/{
+  s/ --(frames|presets|seeds|size) [^ ]+//g
+  s/$/ --frames 4 --presets easy --seeds 1 --size 310x94/
+}
+/penumbra bench (network|conv)/{
+  s/ --(size|repeats|warm-up) [^ ]+//g
+  s/$/ --size 64x64 --repeats 1 --warm-up 0/
+}
+/penumbra bench slam/{
+  s/ --(street-frames|repeats) [^ ]+//g
+  s/$/ --street-frames 3/
+}
