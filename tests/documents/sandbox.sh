@@ -12,6 +12,7 @@ ln -s "$source/weights_tools" weights_tools
 # KITTI: the first sequence has as many frames as docs/evaluation.md takes.
 synth --frames 100 --out kitti
 cp -rl kitti/sequences/00 kitti/sequences/06
+rm kitti/sequences/06/image_?/0000[6-9]?.png
 for i in 04 06 07; do cp kitti/poses/00.txt kitti/poses/$i.txt; done
 ln -s kitti/poses poses
 for name in monday tuesday wednesday tomorrow nightly; do
@@ -54,7 +55,7 @@ synth --sensor rgbd --frames 8 --out rgbd_dataset_freiburg1_xyz
 cp rgbd_dataset_freiburg1_xyz/groundtruth.txt groundtruth.txt
 
 synth --frames 8 --annotations --out out/street
-synth --preset lorry --frames 8 --annotations --out street
+synth --frames 2 --annotations --out street
 cp street/annotations/instances.json instances_val2017.json
 ln -s street val2017
 cp -l street/sequences/00/image_0/*.png street/
@@ -71,7 +72,8 @@ cp out/00/trajectory_*.txt out/
 cp out/trajectory_kitti.txt a.txt
 cp out/trajectory_tum.txt .
 mkdir photos
-cp out/00/gallery/*.jpg photos/
+cp out/00/gallery/00000*.jpg photos/
+cp photos/000000.jpg street/
 cp photos/000000.jpg photo.jpg
 cp photos/000000.jpg bird.jpg
 cp kitti/sequences/00/image_0/000000.png street.png
@@ -90,3 +92,4 @@ done
 cp resnet18.safetensors resnet50.pth
 "$penumbra" segment --coco-images val2017 --annotations instances_val2017.json --weights w.safetensors --out found >/dev/null 2>&1
 cp found/results.json boxes.json
+cp -r out out.fresh  # every document begins with this one

@@ -6,7 +6,15 @@ s/[[:space:]]+#.*$//
 }
 /penumbra ablate/{
   s/ --(frames|presets|seeds|size) [^ ]+//g
-  s/$/ --frames 4 --presets easy --seeds 1 --size 310x94/
+  s/$/ --frames 2 --presets easy --seeds 1 --size 310x94/
+}
+/penumbra match-eval/{
+  s/ --frames [^ ]+//g
+  s/$/ --frames 0:4/
+}
+/penumbra bench network/{
+  s/ --weights [^ ]+//g
+  s/$/ --weights maskrcnn.safetensors/
 }
 /penumbra bench (network|conv)/{
   s/ --(size|repeats|warm-up) [^ ]+//g
@@ -15,4 +23,8 @@ s/[[:space:]]+#.*$//
 /penumbra bench slam/{
   s/ --(street-frames|repeats) [^ ]+//g
   s/$/ --street-frames 3/
+}
+/penumbra slam .*--weights/{
+  s/ --frames [^ ]+//g
+  s/$/ --frames 0:4/
 }
