@@ -2,7 +2,7 @@
 //
 //   lambda_k[i, j] = w_k . F_k[:, i, j] + b_k                  a 1 x 1 convolution C -> 1 a level
 //   (alpha_1, ..., alpha_K)[i, j] = softmax_k( lambda_k[i, j] )
-//   y[c, i, j] = sum_k alpha_k[i, j] F_k[c, i, j]              papers.md B.1, there K = 3
+//   y[c, i, j] = sum_k alpha_k[i, j] F_k[c, i, j]              docs/papers.md B.1, there K = 3
 //
 // The F_k are the levels already resized to one of them (upsample.h, pooling.h, strided convolutions); the
 // shares of a pixel are positive and add up to 1.

@@ -1,8 +1,8 @@
 // Channel attention: which channels matter for this image.
 //
-//   A_c(F) = sigmoid( MLP(max_hw F) + MLP(mean_hw F) )       [N, C, 1, 1]                    papers.md (6)
+//   A_c(F) = sigmoid( MLP(max_hw F) + MLP(mean_hw F) )       [N, C, 1, 1]               docs/papers.md (6)
 //   MLP(v) = W_2 relu(W_1 v)
-//   M_c(F) = A_c(F) (x) F                                    broadcast over the pixels       papers.md (7)
+//   M_c(F) = A_c(F) (x) F                                    broadcast over the pixels  docs/papers.md (7)
 //
 // W_1 is [C/r, C], W_2 [C, C/r], both without bias; Penumbra's r is 16.
 // Cost: 4 C^2 / r multiply-adds an image, 2 reads and 1 write of F.

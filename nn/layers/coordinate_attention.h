@@ -3,7 +3,7 @@
 //   z^h[c, i] = mean_j F[c, i, j]            z^w[c, j] = mean_i F[c, i, j]
 //   f^h = hswish( BN(W z^h + b) )            f^w = hswish( BN(W z^w + b) )     one W: C -> M
 //   g^h = sigmoid( W_h f^h + b_h )           g^w = sigmoid( W_w f^w + b_w )    M -> C
-//   M(F)[c, i, j] = F[c, i, j] g^h[c, i] g^w[c, j]                             papers.md B.1
+//   M(F)[c, i, j] = F[c, i, j] g^h[c, i] g^w[c, j]                             docs/papers.md B.1
 //
 // The paper joins z^h and z^w along their length before W and splits f behind it; a 1 x 1 convolution treats
 // every position alone, so here each goes through W by itself. BN is folded into W and b (batch_norm.h).

@@ -1,9 +1,9 @@
 // Mixed attention: where to look, then at which channels.
 //
-//   M(F) = M_c( M_s(F) )        spatial attention first, then channel attention      papers.md (1), (2)
+//   M(F) = M_c( M_s(F) )        spatial attention first, then channel attention      docs/papers.md (1), (2)
 //
 // Shapes: F [N, C, H, W], in place. Cost: that of spatial_attention.h and channel_attention.h.
-// Source: papers.md A.1; reference/attention.cpp is the oracle.
+// Source: docs/papers.md A.1; reference/attention.cpp is the oracle.
 #pragma once
 
 #include <utility>

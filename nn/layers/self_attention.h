@@ -1,8 +1,8 @@
 // Self-attention over the pixels of a map, in the form of SAGAN: every pixel looks at every other one.
 //
-//   f = W_f x + b_f,  g = W_g x + b_g,  h = W_h x + b_h        1 x 1 convolutions    papers.md (13)
-//   beta[j, i] = softmax_i( f[:, i] . g[:, j] )      how much j looks at i           papers.md (14)
-//   o[:, j] = sum_i beta[j, i] h[:, i]                                               papers.md (15)
+//   f = W_f x + b_f,  g = W_g x + b_g,  h = W_h x + b_h        1 x 1 convolutions    docs/papers.md (13)
+//   beta[j, i] = softmax_i( f[:, i] . g[:, j] )      how much j looks at i           docs/papers.md (14)
+//   o[:, j] = sum_i beta[j, i] h[:, i]                                               docs/papers.md (15)
 //   y = gamma o + x                                  gamma is learned, 0 at first
 //
 // i and j run over the P = H W pixels.

@@ -1,7 +1,7 @@
 // Spatial attention: where in the image to look.
 //
-//   A_s(F) = sigmoid( Conv7x7( [ max_c F ; mean_c F ] ) )    [N, 2, H, W] -> [N, 1, H, W]    papers.md (4)
-//   M_s(F) = A_s(F) (x) F                                    broadcast over the channels     papers.md (5)
+//   A_s(F) = sigmoid( Conv7x7( [ max_c F ; mean_c F ] ) )  [N, 2, H, W] -> [N, 1, H, W]  docs/papers.md (4)
+//   M_s(F) = A_s(F) (x) F                                  broadcast over the channels   docs/papers.md (5)
 //
 // The 7 x 7 convolution pads with 3 zeros and has no bias.
 // Cost: 98 N H W multiply-adds for the convolution (as computed: 28 channels x 7 rows x 16 outputs), 2 reads

@@ -1,7 +1,7 @@
 // Resizing of maps: nearest neighbour and bilinear, and the top-down step of a feature pyramid.
 //
 //   upsample_nearest:   y[n, c, i, j] = x[n, c, floor(i H_x / H_y), floor(j W_x / W_y)]
-//   add_upsampled:      y[n, c, i, j] += the same                             papers.md (3)
+//   add_upsampled:      y[n, c, i, j] += the same                             docs/papers.md (3)
 //   upsample_bilinear:  y[n, c, i, j] = x[n, c] at (s(i, H_x, H_y), s(j, W_x, W_y)),
 //                       linear between the four pixels around that place
 //     align_corners:      s(i, a, b) = i (a - 1) / (b - 1), 0 where b = 1     corner pixels stay corners

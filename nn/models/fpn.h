@@ -1,8 +1,8 @@
 // Feature pyramid network over C2..C5, with mixed attention where the weights have it.
 //
-//   W_n  = SA(Conv1x1(C_n))                        lateral, spatial attention      papers.md (1)
-//   W'_n = CA(W_n)                                 channel attention               papers.md (2)
-//   T_n  = Upsample(T_{n+1}) + W'_n,  T_5 = W'_5   top-down                        papers.md (3)
+//   W_n  = SA(Conv1x1(C_n))                        lateral, spatial attention      docs/papers.md (1)
+//   W'_n = CA(W_n)                                 channel attention               docs/papers.md (2)
+//   T_n  = Upsample(T_{n+1}) + W'_n,  T_5 = W'_5   top-down                        docs/papers.md (3)
 //   P_n  = Conv3x3(T_n),  n = 2..5;                P_6 = P_5 at every second pixel
 //
 // Without attention weights SA and CA are the identity: the plain FPN. All P_n have C channels, which the
@@ -11,7 +11,7 @@
 // k = n - 2:
 //   fpn.attention.k.spatial.weight [1, 2, 7, 7], fpn.attention.k.channel.reduce.weight [C/r, C],
 //   fpn.attention.k.channel.expand.weight [C, C/r].
-// Source: Lin et al. 2017; papers.md A.1; torchvision.ops.FeaturePyramidNetwork.
+// Source: Lin et al. 2017; docs/papers.md A.1; torchvision.ops.FeaturePyramidNetwork.
 #pragma once
 
 #include <array>

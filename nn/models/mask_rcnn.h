@@ -13,7 +13,7 @@
 //   min_size, max_size                   image sides at the network, pixels; see nn/io/image_transform.h
 //   rpn_candidates, rpn_proposals        the best of a level, of an image
 //
-// Source: He et al. 2017; papers.md A.1; torchvision.models.detection.
+// Source: He et al. 2017; docs/papers.md A.1; torchvision.models.detection.
 #pragma once
 
 #include <opencv2/core.hpp>

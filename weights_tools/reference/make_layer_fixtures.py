@@ -7,7 +7,7 @@ usage: OMP_NUM_THREADS=1 make_layer_fixtures.py OUT        (OUT: tests/fixtures/
   outputs.safetensors   the output of case k, named "k"
 
 Input number i of case k is stream 100 k + i of counter_random, uniform in [-1, 1), so the fixtures hold outputs only;
-the C++ test makes the same inputs itself. Attention and ASFF are written here from the formulas of papers.md, on
+the C++ test makes the same inputs itself. Attention and ASFF are written here from the formulas of docs/papers.md, on
 PyTorch's operators and independently of nn/layers. Needs Debian's python3-torch (1.13), python3-torchvision (0.14.1) and
 python3-numpy.
 """

@@ -1,4 +1,4 @@
-"""The mixed-attention feature pyramid as a PyTorch module: papers.md A.1, formulas (1) to (7).
+"""The mixed-attention feature pyramid as a PyTorch module: docs/papers.md A.1, formulas (1) to (7).
 
 Written from the formulas, independently of nn/models/fpn.cpp; fixtures hold its outputs. It takes the place of
 torchvision's FeaturePyramidNetwork and keeps its names, so that a torchvision Mask R-CNN carries it:
