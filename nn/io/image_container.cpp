@@ -7,6 +7,7 @@
 
 #include "nn/base/error.h"
 #include "nn/io/crc32.h"
+#include "nn/io/exif.h"
 
 namespace penumbra::nn {
 
@@ -26,14 +27,11 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t offset, int size) {
   return value;
 }
 
-ImageSize checked_size(std::uint64_t width, std::uint64_t height, std::string_view place) {
-  if (width == 0 || height == 0 || width > static_cast<std::uint64_t>(kMaxImagePixels) ||
-      height > static_cast<std::uint64_t>(kMaxImagePixels) ||
-      width * height > static_cast<std::uint64_t>(kMaxImagePixels)) {
-    throw InputError(place, fmt::format("an image of 1 to {} pixels", kMaxImagePixels),
-                     fmt::format("a header that claims {} x {} pixels", width, height));
-  }
-  return {static_cast<int>(width), static_cast<int>(height)};
+// The most that a channel has; the depth where the chunk says nothing that makes sense.
+int significant_bits(std::string_view chunk, int depth) {
+  int most = 0;
+  for (const char bits : chunk) most = std::max<int>(most, static_cast<std::uint8_t>(bits));
+  return most >= 1 && most <= depth ? most : depth;
 }
 
 [[noreturn]] void throw_torn(std::string_view format, std::size_t size, std::string_view place) {
@@ -43,13 +41,26 @@ ImageSize checked_size(std::uint64_t width, std::uint64_t height, std::string_vi
 
 }  // namespace
 
+ImageInfo checked_image_size(std::uint64_t width, std::uint64_t height, std::string_view place) {
+  if (width == 0 || height == 0 || width > static_cast<std::uint64_t>(kMaxImagePixels) ||
+      height > static_cast<std::uint64_t>(kMaxImagePixels) ||
+      width * height > static_cast<std::uint64_t>(kMaxImagePixels)) {
+    throw InputError(place, fmt::format("an image of 1 to {} pixels", kMaxImagePixels),
+                     fmt::format("a header that claims {} x {} pixels", width, height));
+  }
+  ImageInfo info;
+  info.width = static_cast<int>(width);
+  info.height = static_cast<int>(height);
+  return info;
+}
+
 bool looks_like_png(std::string_view bytes) { return bytes.substr(0, kPngSignature.size()) == kPngSignature; }
 
 bool looks_like_jpeg(std::string_view bytes) { return bytes.substr(0, 3) == "\xFF\xD8\xFF"; }
 
-ImageSize check_png(std::string& bytes, std::string_view place) {
+ImageInfo check_png(std::string& bytes, std::string_view place) {
   const std::string_view view = bytes;
-  ImageSize size;
+  ImageInfo info;
   std::uint64_t bits_per_pixel = 0, pixel_bytes = 0;
   std::size_t kept = kPngSignature.size();  // end of the chunks kept, moved together at the front
   for (std::size_t offset = kPngSignature.size();;) {
@@ -67,7 +78,7 @@ ImageSize check_png(std::string& bytes, std::string_view place) {
                        "a chunk out of place");
     }
     if (is_first) {
-      size = checked_size(big_endian(view, offset + 8, 4), big_endian(view, offset + 12, 4), place);
+      info = checked_image_size(big_endian(view, offset + 8, 4), big_endian(view, offset + 12, 4), place);
       static constexpr std::array<int, 7> kChannels = {1, 0, 3, 1, 2, 0, 4};  // by colour type; 0: undefined
       const std::uint32_t depth = big_endian(view, offset + 16, 1), colour = big_endian(view, offset + 17, 1);
       bits_per_pixel = colour < kChannels.size() ? depth * static_cast<std::uint64_t>(kChannels[colour]) : 0;
@@ -75,7 +86,11 @@ ImageSize check_png(std::string& bytes, std::string_view place) {
         throw InputError(place, "a PNG of a known colour type and depth",
                          fmt::format("colour type {}, {} bits", colour, depth));
       }
+      info.bit_depth = info.significant_bits = static_cast<int>(depth);
     }
+    const std::string_view data = view.substr(offset + 8, length);
+    if (type == "sBIT") info.significant_bits = significant_bits(data, info.bit_depth);
+    if (type == "eXIf") info.orientation = exif_orientation(data);
     if (type == "IDAT") pixel_bytes += length;
     // tRNS is left out as well: transparency is not decoded.
     if (type == "IHDR" || type == "PLTE" || type == "IDAT" || type == "IEND") {
@@ -90,17 +105,18 @@ ImageSize check_png(std::string& bytes, std::string_view place) {
   }
   bytes.resize(kept);
   const std::uint64_t raw_bytes =
-      bits_per_pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) / 8;
+      bits_per_pixel * static_cast<std::uint64_t>(info.width) * static_cast<std::uint64_t>(info.height) / 8;
   if (raw_bytes > kMaxDeflateRatio * pixel_bytes) {
-    throw InputError(place, fmt::format("pixels of a {} x {} PNG", size.width, size.height),
+    throw InputError(place, fmt::format("pixels of a {} x {} PNG", info.width, info.height),
                      fmt::format("only {} compressed bytes", pixel_bytes));
   }
-  return size;
+  return info;
 }
 
-ImageSize check_jpeg(std::string_view bytes, std::string_view place) {
-  ImageSize size;
-  bool has_scan = false;
+ImageInfo check_jpeg(std::string_view bytes, std::string_view place) {
+  ImageInfo info;
+  bool has_scan = false, has_exif = false;
+  int orientation = kUpright;
   std::size_t offset = 2;
   while (true) {
     // Between segments, and after the entropy-coded rows of a scan, stands 0xFF and a code that is not 0
@@ -128,21 +144,28 @@ ImageSize check_jpeg(std::string_view bytes, std::string_view place) {
     // Start of frame: 0xC0..0xCF but for the tables DHT (C4), JPG (C8) and DAC (CC).
     const bool is_frame = code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
     if (is_frame && length >= 8) {
-      size = checked_size(big_endian(bytes, found + 7, 2), big_endian(bytes, found + 5, 2), place);
+      info = checked_image_size(big_endian(bytes, found + 7, 2), big_endian(bytes, found + 5, 2), place);
+    }
+    // The first APP1 segment with EXIF data; others hold the same for editors (XMP).
+    const std::string_view data = bytes.substr(found + 4, length - 2);
+    if (code == 0xE1 && !has_exif && data.starts_with("Exif")) {
+      has_exif = true;
+      orientation = exif_orientation(data);
     }
     if (code == 0xDA) has_scan = true;
     offset = found + 2 + length;
   }
-  if (!has_scan || size.width == 0) {
+  if (!has_scan || info.width == 0) {
     throw InputError(place, "a JPEG with a frame and a scan", "a file without one");
   }
   const std::uint64_t pixels =
-      static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+      static_cast<std::uint64_t>(info.width) * static_cast<std::uint64_t>(info.height);
   if (pixels > kMaxJpegPixelsPerByte * bytes.size()) {
-    throw InputError(place, fmt::format("rows of a {} x {} JPEG", size.width, size.height),
+    throw InputError(place, fmt::format("rows of a {} x {} JPEG", info.width, info.height),
                      fmt::format("only {} bytes", bytes.size()));
   }
-  return size;
+  info.orientation = orientation;
+  return info;
 }
 
 }  // namespace penumbra::nn

@@ -12,7 +12,7 @@ namespace penumbra::fuzz {
 
 namespace {
 
-void require_size(const nn::ImageSize& size) {
+void require_size(const nn::ImageInfo& size) {
   require(size.width > 0 && size.height > 0, "an image has pixels");
   require(static_cast<long>(size.width) * size.height <= nn::kMaxImagePixels, "an image is not too large");
 }
@@ -32,7 +32,10 @@ bool decode(std::string_view bytes) {
     is_decoded = is_read([&] {
       const cv::Mat image = nn::read_image(file.path(), colour);
       require(image.type() == (colour == nn::ImageColour::grey ? CV_8UC1 : CV_8UC3), "8 bits a channel");
-      require_size({image.cols, image.rows});
+      nn::ImageInfo size;
+      size.width = image.cols;
+      size.height = image.rows;
+      require_size(size);
     });
   }
   return is_decoded;
