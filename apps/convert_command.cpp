@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/load_network.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/io/safetensors.h"
@@ -19,7 +20,7 @@ namespace penumbra::apps {
 namespace {
 
 struct ConvertOptions {
-  std::string input, output, dtype = "keep";
+  std::string input, output, key, dtype = "keep";
   std::vector<std::string> metadata;  // "key=value"
 };
 
@@ -39,26 +40,31 @@ void convert(const ConvertOptions& options) {
     throw UsageError(fmt::format("--output: {} is the input itself", options.output));
   }
   const weights_tools::CheckpointFormat format = weights_tools::checkpoint_format(options.input);
-  nn::StateDict state = weights_tools::load_weights(options.input);
+  nn::StateDict state = load_noted_weights(options.input, options.key);
 
-  std::size_t converted = 0;
+  std::size_t converted = 0, batch_norms = 0;
   if (options.dtype != "keep") {
     const nn::DataType type = options.dtype == "f16" ? nn::DataType::f16 : nn::DataType::f32;
     weights_tools::FloatConversion conversion = weights_tools::convert_floats(state, type);
-    for (const std::string& name : conversion.out_of_range) {
-      spdlog::warn("{}: values beyond the range of {} became infinite", printable(name), options.dtype);
+    if (!conversion.out_of_range.empty()) {
+      spdlog::warn("{} tensors stay f32, their values lie beyond the range of {}: {}{}",
+                   conversion.out_of_range.size(), options.dtype, printable(conversion.out_of_range.front()),
+                   conversion.out_of_range.size() > 1 ? ", ..." : "");
     }
     state = std::move(conversion.state);
     converted = conversion.converted;
+    batch_norms = conversion.batch_norms;
   }
   // A file that was converted before keeps the format that it first came from.
   state.metadata.try_emplace("source_format", to_string(format));
   add_metadata(options.metadata, state);
   nn::write_safetensors(options.output, state);
 
-  fmt::print("{} ({}) -> {}: {} tensors, {} converted to {}, {} bytes\n", options.input, to_string(format),
+  fmt::print("{} ({}) -> {}: {} tensors, {} converted to {}{}, {} bytes\n", options.input, to_string(format),
              options.output, state.tensors.size(), converted,
-             options.dtype == "keep" ? "nothing" : options.dtype, std::filesystem::file_size(options.output));
+             options.dtype == "keep" ? "nothing" : options.dtype,
+             batch_norms == 0 ? "" : fmt::format(" ({} of batch norms stay f32)", batch_norms),
+             std::filesystem::file_size(options.output));
 }
 
 }  // namespace
@@ -66,10 +72,16 @@ void convert(const ConvertOptions& options) {
 void add_convert_command(CLI::App& app) {
   auto options = std::make_shared<ConvertOptions>();
   CLI::App* command = app.add_subcommand("convert", "Convert a PyTorch checkpoint to safetensors");
-  command->add_option("input", options->input, "checkpoint: .pth (zip or legacy format) or .safetensors")
+  command
+      ->add_option(
+          "input", options->input,
+          "checkpoint: .pt or .pth (state dict, training checkpoint or whole network) or .safetensors")
       ->required();
   command->add_option("-o,--output", options->output, "safetensors file to write")->required();
-  command->add_option("--dtype", options->dtype, "element type for floating-point tensors; integers stay")
+  add_key_option(command, options->key);
+  command
+      ->add_option("--dtype", options->dtype,
+                   "element type for floating-point tensors; integers stay, and f32 what f16 cannot hold")
       ->check(CLI::IsMember({"f32", "f16", "keep"}))
       ->capture_default_str();
   command
@@ -80,6 +92,7 @@ void add_convert_command(CLI::App& app) {
   command->footer(
       "The checkpoint is read without Python, and nothing in it is executed.\n\n"
       "Examples:\n"
+      "  penumbra convert yolov5s.pt -o yolov5s.safetensors\n"
       "  penumbra convert maskrcnn.pth -o maskrcnn.safetensors\n"
       "  penumbra convert maskrcnn_resnet50_fpn_coco.pth -o coco.safetensors --dtype f16 \\\n"
       "                   --metadata batch_norm_eps=0\n");

@@ -11,6 +11,7 @@
 
 #include "apps/commands.h"
 #include "apps/compute_options.h"
+#include "apps/load_network.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/simd/kernel_table.h"
@@ -22,7 +23,7 @@ namespace penumbra::apps {
 namespace {
 
 struct InfoOptions {
-  std::string file;
+  std::string file, key;
   bool json = false, cpu = false;
 };
 
@@ -115,7 +116,7 @@ void show_info(const InfoOptions& options) {
     return;
   }
   const weights_tools::CheckpointFormat format = weights_tools::checkpoint_format(options.file);
-  const nn::StateDict state = weights_tools::load_weights(options.file);
+  const nn::StateDict state = load_noted_weights(options.file, options.key);
   if (options.json) {
     print_json(state, to_string(format));
   } else {
@@ -129,7 +130,8 @@ void add_info_command(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command =
       app.add_subcommand("info", "List the tensors of a checkpoint, or what the processor can do");
-  command->add_option("file", options->file, "checkpoint: .safetensors or .pth (zip or legacy format)");
+  command->add_option("file", options->file, "checkpoint: .safetensors, .pt or .pth");
+  add_key_option(command, options->key);
   command->add_flag("--cpu", options->cpu,
                     "instead: the instruction set in use and what else this machine can do");
   command->add_flag("--json", options->json, "print JSON");

@@ -1,6 +1,7 @@
 // A network and the names of its classes, from a weights file.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -16,9 +17,15 @@ struct LoadedNetwork {
   std::vector<std::string> names;  // one a class, see nn/models/class_names.h
 };
 
+// The weights under `key` of a checkpoint (load_weights.h), with its notes logged.
+nn::StateDict load_noted_weights(const std::filesystem::path& path, const std::string& key);
+
+// Adds --key.
+void add_key_option(CLI::App* command, std::string& key);
+
 // `classes` is a file of class names or empty. The weights file is closed again: the network keeps its own
 // copy, in the order in which its kernels read it.
 LoadedNetwork load_network(const std::filesystem::path& weights, const std::filesystem::path& classes,
-                           const nn::NetworkConfig& config);
+                           const nn::NetworkConfig& config, const std::string& key = {});
 
 }  // namespace penumbra::apps

@@ -1,6 +1,8 @@
 #include "weights_tools/load_weights.h"
 
 #include <cstring>
+#include <map>
+#include <string>
 #include <string_view>
 
 #include "nn/base/error.h"
@@ -9,6 +11,7 @@
 #include "nn/io/safetensors.h"
 #include "weights_tools/torch_legacy.h"
 #include "weights_tools/torch_zip.h"
+#include "weights_tools/weight_names.h"
 
 namespace penumbra::weights_tools {
 
@@ -33,6 +36,39 @@ CheckpointFormat recognise(std::span<const std::byte> bytes, const std::string& 
       bytes.empty() ? "an empty file" : "a file that begins with '" + printable(text.substr(0, 16)) + "'");
 }
 
+// Of safetensors names "KEY.NAME" the NAMEs.
+void take_key(nn::StateDict& state, std::string_view key) {
+  const std::string prefix = std::string(key) + ".";
+  std::map<std::string, nn::StoredTensor> tensors;
+  for (auto& [name, tensor] : state.tensors) {
+    if (name.starts_with(prefix) && name.size() > prefix.size()) {
+      tensors.emplace(name.substr(prefix.size()), std::move(tensor));
+    }
+  }
+  if (tensors.empty()) {
+    throw InputError(state.source, fmt::format("names that begin with '{}'", printable(prefix)),
+                     fmt::format("none among {} tensors", state.tensors.size()));
+  }
+  state.tensors = std::move(tensors);
+}
+
+nn::StateDict read(const std::filesystem::path& path, std::string_view key) {
+  const std::shared_ptr<const MappedFile> file = MappedFile::open(path);
+  const std::string place = path.string();
+  switch (recognise(file->bytes(), place)) {
+    case CheckpointFormat::safetensors: {
+      nn::StateDict state = nn::read_safetensors(path);
+      if (!key.empty()) take_key(state, key);
+      return state;
+    }
+    case CheckpointFormat::pytorch_zip:
+      return read_torch_zip(file, place, key);
+    case CheckpointFormat::pytorch_legacy:
+      return read_torch_legacy(file, place, key);
+  }
+  return {};
+}
+
 }  // namespace
 
 const char* to_string(CheckpointFormat format) {
@@ -51,18 +87,11 @@ CheckpointFormat checkpoint_format(const std::filesystem::path& path) {
   return recognise(MappedFile::open(path)->bytes(), path.string());
 }
 
-nn::StateDict load_weights(const std::filesystem::path& path) {
-  const std::shared_ptr<const MappedFile> file = MappedFile::open(path);
-  const std::string place = path.string();
-  switch (recognise(file->bytes(), place)) {
-    case CheckpointFormat::safetensors:
-      return nn::read_safetensors(path);
-    case CheckpointFormat::pytorch_zip:
-      return read_torch_zip(file, place);
-    case CheckpointFormat::pytorch_legacy:
-      return read_torch_legacy(file, place);
-  }
-  return {};
+nn::StateDict load_weights(const std::filesystem::path& path, std::string_view key) {
+  nn::StateDict state = read(path, key);
+  if (state.tensors.empty()) throw InputError(path.string(), "a checkpoint with tensors", "0 tensors");
+  unwrap_names(state);
+  return state;
 }
 
 }  // namespace penumbra::weights_tools

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "weights_tools/pickle_machine.h"
@@ -45,11 +47,35 @@ ValueId make_ordered_dict(PickleHeap& heap, ValueId arguments) {
   return dict;
 }
 
+// dict(), dict({...}), defaultdict(factory, {...}): the pairs of every argument that has some.
+ValueId make_dict(PickleHeap& heap, ValueId arguments) {
+  const std::vector<ValueId> given = arguments_of(heap, arguments, 0);
+  const ValueId dict = heap.add({.kind = ValueKind::dict});
+  for (const ValueId mapping : given) {
+    if (heap[mapping].kind != ValueKind::dict) continue;
+    for (std::size_t i = 0; i < heap[mapping].items.size(); ++i) heap.append(dict, heap[mapping].items[i]);
+  }
+  return dict;
+}
+
+// set() or set([...]).
+ValueId make_set(PickleHeap& heap, ValueId arguments) {
+  const std::vector<ValueId> given = arguments_of(heap, arguments, 0);
+  const ValueId set = heap.add({.kind = ValueKind::set});
+  for (const ValueId list : given) {
+    if (heap[list].kind != ValueKind::list && heap[list].kind != ValueKind::tuple) continue;
+    for (std::size_t i = 0; i < heap[list].items.size(); ++i) heap.append(set, heap[list].items[i]);
+  }
+  return set;
+}
+
 ValueId rebuild_tensor(PickleHeap& heap, ValueId arguments) {
+  constexpr std::size_t kMetadata = 6;  // after storage, offset, size, stride, requires_grad and hooks
   const std::vector<ValueId>& given = arguments_of(heap, arguments, 4);
   Value tensor{.kind = ValueKind::tensor,
                .number = static_cast<std::int64_t>(heap.position()),
                .items = {given[0], given[1], given[2], given[3]}};
+  if (given.size() > kMetadata) tensor.items.push_back(given[kMetadata]);
   heap.expect(given[0], ValueKind::storage, "the tensor's storage");
   heap.expect(given[1], ValueKind::integer, "the tensor's offset");
   heap.expect(given[2], ValueKind::tuple, "the tensor's size");
@@ -57,14 +83,57 @@ ValueId rebuild_tensor(PickleHeap& heap, ValueId arguments) {
   return heap.add(std::move(tensor));
 }
 
+ValueId rebuild_parameter(PickleHeap& heap, ValueId arguments) {
+  const ValueId tensor = arguments_of(heap, arguments, 1)[0];
+  if (heap[tensor].kind != ValueKind::unread_tensor) {
+    heap.expect(tensor, ValueKind::tensor, "the parameter's data");
+  }
+  return tensor;
+}
+
 ValueId rebuild_from_type(PickleHeap& heap, ValueId arguments) {
   const std::vector<ValueId>& given = arguments_of(heap, arguments, 3);
   const Value& function = heap.expect(given[0], ValueKind::global, "the function that rebuilds the tensor");
   const GlobalKind kind = function.global.kind;
-  if (kind != GlobalKind::rebuild_tensor && kind != GlobalKind::rebuild_parameter) {
+  if (kind != GlobalKind::rebuild_tensor && kind != GlobalKind::rebuild_parameter &&
+      kind != GlobalKind::unread_tensor) {
     heap.fail("a function that rebuilds a tensor", "another");
   }
   return call(heap, given[0], given[2]);
+}
+
+// getattr(class, name) names a part of a class: a scheduler's state does so. What leads out of the class, as
+// __globals__ does, is refused.
+ValueId make_attribute(PickleHeap& heap, ValueId arguments) {
+  const std::vector<ValueId>& given = arguments_of(heap, arguments, 2);
+  const std::string_view name = heap.expect(given[1], ValueKind::text, "the attribute's name").text;
+  if (name.starts_with("__")) {
+    heap.fail(
+        "attributes of a class by their names",
+        fmt::format("getattr of '{}' (nothing was executed; the file may be an attack)", printable(name)));
+  }
+  return heap.add({.kind = ValueKind::attribute});
+}
+
+// An object of a class that is a record. Old pickles name the class in an argument. Arguments that may hold
+// weights, as torch.compile's wrapper has its network, become attributes "0", "1", ...
+ValueId make_object(PickleHeap& heap, ValueId function, ValueId arguments) {
+  std::string_view name = heap[function].text;
+  if (name == "_reconstructor" || name == "__newobj__") {
+    const std::vector<ValueId>& given = arguments_of(heap, arguments, 1);
+    if (heap[given[0]].kind == ValueKind::global) name = heap[given[0]].text;
+  }
+  const ValueId made = heap.add({.kind = ValueKind::object, .text = name});
+  if (heap[arguments].kind != ValueKind::tuple) return made;
+  constexpr std::string_view kNumbers = "0123456789";
+  for (std::size_t i = 0; i < std::min(heap[arguments].items.size(), kNumbers.size()); ++i) {
+    const ValueId argument = heap[arguments].items[i];
+    const ValueKind kind = heap[argument].kind;
+    if (kind != ValueKind::object && kind != ValueKind::dict) continue;
+    heap.append(made, heap.add({.kind = ValueKind::text, .text = kNumbers.substr(i, 1)}));
+    heap.append(made, argument);
+  }
+  return made;
 }
 
 }  // namespace
@@ -95,10 +164,26 @@ const char* to_string(ValueKind kind) {
       return "a torch storage";
     case ValueKind::tensor:
       return "a torch tensor";
-    case ValueKind::opaque:
-      return "an object of another class";
+    case ValueKind::set:
+      return "a set";
+    case ValueKind::unread_tensor:
+      return "a tensor of a kind that is not read";
+    case ValueKind::object:
+      return "an object";
+    case ValueKind::attribute:
+      return "a part of a class";
   }
   return "?";
+}
+
+const Value* PickledObject::find(const Value& holder, std::string_view key) const {
+  if (holder.kind != ValueKind::dict && holder.kind != ValueKind::object) return nullptr;
+  const Value* found = nullptr;
+  for (std::size_t i = 0; i + 1 < holder.items.size(); i += 2) {
+    const Value& name = values[holder.items[i]];
+    if (name.kind == ValueKind::text && name.text == key) found = &values[holder.items[i + 1]];
+  }
+  return found;
 }
 
 void PickleHeap::fail(std::string_view expected, std::string_view found) const {
@@ -130,27 +215,38 @@ const Value& PickleHeap::expect(ValueId id, ValueKind kind, std::string_view wha
 }
 
 ValueId call(PickleHeap& heap, ValueId function, ValueId arguments) {
+  const ValueKind kind = heap[function].kind;
+  if (kind == ValueKind::attribute) {
+    heap.fail("calls of classes and functions",
+              "a call of what getattr names (nothing was executed; the file may be an attack)");
+  }
+  if (kind == ValueKind::object) return make_object(heap, function, arguments);  // functools.partial
   const Global global = heap.expect(function, ValueKind::global, "what is called").global;
   switch (global.kind) {
     case GlobalKind::ordered_dict:
       return make_ordered_dict(heap, arguments);
+    case GlobalKind::dict:
+      return make_dict(heap, arguments);
+    case GlobalKind::set:
+      return make_set(heap, arguments);
     case GlobalKind::size: {
       const ValueId extents = arguments_of(heap, arguments, 1)[0];
-      const ValueKind kind = heap[extents].kind;
-      if (kind != ValueKind::tuple) heap.fail("torch.Size of a tuple", to_string(kind));
+      const ValueKind extents_kind = heap[extents].kind;
+      if (extents_kind != ValueKind::tuple) heap.fail("torch.Size of a tuple", to_string(extents_kind));
       return extents;
     }
     case GlobalKind::rebuild_tensor:
       return rebuild_tensor(heap, arguments);
-    case GlobalKind::rebuild_parameter: {
-      const ValueId tensor = arguments_of(heap, arguments, 1)[0];
-      heap.expect(tensor, ValueKind::tensor, "the parameter's data");
-      return tensor;
-    }
+    case GlobalKind::rebuild_parameter:
+      return rebuild_parameter(heap, arguments);
     case GlobalKind::rebuild_from_type:
       return rebuild_from_type(heap, arguments);
-    case GlobalKind::inert:
-      return heap.add({.kind = ValueKind::opaque});
+    case GlobalKind::unread_tensor:
+      return heap.add({.kind = ValueKind::unread_tensor, .text = heap[function].text});
+    case GlobalKind::attribute:
+      return make_attribute(heap, arguments);
+    case GlobalKind::record:
+      return make_object(heap, function, arguments);
     case GlobalKind::storage:
       break;
   }
@@ -159,14 +255,13 @@ ValueId call(PickleHeap& heap, ValueId function, ValueId arguments) {
 
 ValueId find_storage(PickleHeap& heap, ValueId persistent_id) {
   const std::vector<ValueId>& id = heap.expect(persistent_id, ValueKind::tuple, "the persistent id").items;
-  if (id.size() < 5 || id.size() > 6) {
-    heap.fail("a persistent id of 5 or 6 parts", fmt::format("{}", id.size()));
-  }
+  if (id.size() < 2) heap.fail("a persistent id of at least 2 parts", fmt::format("{}", id.size()));
   const std::string_view tag = heap.expect(id[0], ValueKind::text, "the persistent id's kind").text;
-  if (tag != "storage") {
-    heap.fail(
-        "the persistent id of a storage",
-        fmt::format("'{}' (if this is a whole network, save its state_dict() instead)", printable(tag)));
+  if (tag == "module") return id[1];  // a class with its source text, in whole networks of the legacy format
+  if (tag != "storage")
+    heap.fail("the persistent id of a storage or a module", fmt::format("'{}'", printable(tag)));
+  if (id.size() < 5 || id.size() > 6) {
+    heap.fail("a storage's persistent id of 5 or 6 parts", fmt::format("{}", id.size()));
   }
   const Global global = heap.expect(id[1], ValueKind::global, "the storage's type").global;
   if (global.kind != GlobalKind::storage) heap.fail("the storage's type", "another class");

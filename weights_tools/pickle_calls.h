@@ -37,7 +37,8 @@ class PickleHeap {
   std::size_t items_ = 0;  // in all containers together
 };
 
-// function(*arguments), for a function of the allow-list.
+// function(*arguments): a dict, set or tensor where it builds one, else an object without attributes. Throws
+// InputError where the result of getattr is called, as only attacks need.
 ValueId call(PickleHeap& heap, ValueId function, ValueId arguments);
 
 // The storage that a persistent id ('storage', type, key, location, elements[, view]) names; the view, in the

@@ -69,9 +69,10 @@ class PickleMachine {
         return push_integer(reader_.number<std::uint16_t>());
       case Opcode::kLong1:
         return push_long(reader_.text(reader_.number<std::uint8_t>()));
+      case Opcode::kLong4:  // its length is signed: a negative one is beyond the end
+        return push_long(reader_.text(reader_.number<std::uint32_t>()));
       case Opcode::kBinFloat:
-        reader_.take(8);
-        return push({.kind = ValueKind::real});
+        return push_real();
 
       case Opcode::kBinString:  // Python 2's str
       case Opcode::kBinUnicode:
@@ -85,6 +86,10 @@ class PickleMachine {
         return push({.kind = ValueKind::bytes, .text = reader_.text(reader_.number<std::uint32_t>())});
       case Opcode::kShortBinBytes:
         return push({.kind = ValueKind::bytes, .text = reader_.text(reader_.number<std::uint8_t>())});
+
+      case Opcode::kBinBytes8:
+      case Opcode::kByteArray8:
+        return push({.kind = ValueKind::bytes, .text = reader_.text(reader_.number<std::uint64_t>())});
 
       case Opcode::kEmptyTuple:
         return push({.kind = ValueKind::tuple});
@@ -110,9 +115,15 @@ class PickleMachine {
       case Opcode::kSetItems:
         return append_from(pop_mark(), ValueKind::dict);
       case Opcode::kEmptySet:
-        return push({.kind = ValueKind::opaque});
+        return push({.kind = ValueKind::set});
       case Opcode::kAddItems:
-        return append_from(pop_mark(), ValueKind::opaque);
+        return append_from(pop_mark(), ValueKind::set);
+      case Opcode::kFrozenSet: {
+        const std::size_t begin = pop_mark();
+        push_tuple(begin);
+        heap_[top()].kind = ValueKind::set;
+        return;
+      }
 
       case Opcode::kBinPut:
         return put(reader_.number<std::uint8_t>());
@@ -135,6 +146,11 @@ class PickleMachine {
       }
       case Opcode::kReduce:
       case Opcode::kNewObj: {
+        const ValueId arguments = pop(), function = pop();
+        return stack_.push_back(call(heap_, function, arguments));
+      }
+      case Opcode::kNewObjEx: {
+        pop();  // arguments by name, which no object keeps
         const ValueId arguments = pop(), function = pop();
         return stack_.push_back(call(heap_, function, arguments));
       }
@@ -206,6 +222,14 @@ class PickleMachine {
     push_integer(static_cast<std::int64_t>(number));
   }
 
+  // Big-endian, alone among the numbers.
+  void push_real() {
+    const std::string_view bytes = reader_.text(8);
+    std::uint64_t bits = 0;
+    for (const char byte : bytes) bits = bits << 8 | static_cast<std::uint8_t>(byte);
+    push({.kind = ValueKind::real, .number = static_cast<std::int64_t>(bits)});
+  }
+
   void push_tuple(std::size_t begin) {
     Value tuple{.kind = ValueKind::tuple};
     tuple.items.assign(stack_.begin() + static_cast<std::ptrdiff_t>(begin), stack_.end());
@@ -213,13 +237,14 @@ class PickleMachine {
     push(std::move(tuple));
   }
 
-  // Moves the values from `begin` upwards into the container below them. Objects of inert classes take what
-  // they are given and keep nothing.
+  // Moves the values from `begin` upwards into the container below them. An object of a class that is a dict
+  // keeps keys and values as it keeps attributes; one that is a list or a set keeps nothing.
   void append_from(std::size_t begin, ValueKind kind) {
     if (begin <= floor()) heap_.fail(fmt::format("{} below the values", to_string(kind)), "nothing");
     const ValueId container = stack_[begin - 1];
-    if (heap_[container].kind != ValueKind::opaque) {
-      heap_.expect(container, kind, "the container");
+    const bool is_object = heap_[container].kind == ValueKind::object;
+    if (!is_object || kind == ValueKind::dict) {
+      if (!is_object) heap_.expect(container, kind, "the container");
       if (kind == ValueKind::dict && (stack_.size() - begin) % 2 != 0) {
         heap_.fail("keys and values in pairs", "a key without a value");
       }
@@ -248,20 +273,43 @@ class PickleMachine {
   void push_global(std::string_view module, std::string_view name) {
     const std::optional<Global> global = find_global(module, name);
     if (!global) {
-      heap_.fail("only globals that state dicts need, such as torch._utils._rebuild_tensor_v2",
+      heap_.fail("only globals that checkpoints need, such as torch._utils._rebuild_tensor_v2",
                  fmt::format("{}.{} (nothing was executed; {})", printable(module), printable(name),
-                             advice_on_refused_global(module, name)));
+                             advice_on_refused_global(module)));
     }
-    push({.kind = ValueKind::global, .global = *global});
+    push({.kind = ValueKind::global, .global = *global, .text = name});
   }
 
-  // Sets an object's attributes: state dicts carry their modules' versions so, which nothing here needs.
+  // Sets an object's attributes: a dict of them, or a pair of dicts where the class has slots. Other values
+  // carry attributes that nothing here needs: state dicts so carry their modules' versions.
   void build() {
-    pop();
-    const ValueKind kind = heap_[top()].kind;
-    if (kind != ValueKind::dict && kind != ValueKind::opaque) {
-      heap_.fail("attributes for a dict", fmt::format("attributes for {}", to_string(kind)));
+    const ValueId state = pop(), target = top();
+    switch (heap_[target].kind) {
+      case ValueKind::object:
+        if (heap_[state].kind == ValueKind::dict) {
+          take_attributes(target, state);
+        } else if (heap_[state].kind == ValueKind::tuple && heap_[state].items.size() == 2) {
+          const ValueId first = heap_[state].items[0], second = heap_[state].items[1];
+          take_attributes(target, first);
+          take_attributes(target, second);
+        }
+        return;
+      case ValueKind::dict:
+      case ValueKind::list:
+      case ValueKind::set:
+      case ValueKind::tuple:
+      case ValueKind::tensor:
+      case ValueKind::unread_tensor:
+        return;
+      default:
+        heap_.fail("attributes for an object",
+                   fmt::format("attributes for {}", to_string(heap_[target].kind)));
     }
+  }
+
+  void take_attributes(ValueId object, ValueId state) {
+    if (heap_[state].kind != ValueKind::dict) return;
+    for (std::size_t i = 0; i < heap_[state].items.size(); ++i) heap_.append(object, heap_[state].items[i]);
   }
 
   static constexpr ValueId kNothing = std::numeric_limits<ValueId>::max();

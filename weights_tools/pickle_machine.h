@@ -1,8 +1,8 @@
 // Python's pickle format read as data, without Python and without running anything.
 //
 // A pickle is a program for a small stack machine. The operations that build numbers, strings, tuples, lists
-// and dicts are carried out; the ones that would call Python code only ever build torch tensors'
-// descriptions, and only for the globals of pickle_globals.h. Whatever else the pickle asks for ends the
+// and dicts are carried out; the ones that would call Python code only ever build descriptions: of torch
+// tensors, and of objects as attributes by name (pickle_globals.h). Globals that only attacks need end the
 // reading.
 //
 // Bounds: time and memory are linear in the pickle's length; at most kMostPickledValues values; no recursion.

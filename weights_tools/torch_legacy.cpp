@@ -99,7 +99,8 @@ bool begins_like_a_pickle(std::span<const std::byte> bytes) {
   return bytes.size() >= 2 && bytes[0] == kPickleProtocolOpcode && bytes[1] <= std::byte{5};
 }
 
-nn::StateDict read_torch_legacy(const std::shared_ptr<const MappedFile>& file, const std::string& place) {
+nn::StateDict read_torch_legacy(const std::shared_ptr<const MappedFile>& file, const std::string& place,
+                                std::string_view key) {
   const std::span<const std::byte> bytes = file->bytes();
   const std::size_t begin = read_preamble(bytes, place);
   const PickledObject object = run_pickle(bytes, begin, place);
@@ -109,7 +110,7 @@ nn::StateDict read_torch_legacy(const std::shared_ptr<const MappedFile>& file, c
   state.source = place;
   state.owners.push_back(file);
   MemoryBudget budget(bytes.size());
-  add_tensors(object, find_state_dict(object, place), storages, budget, state);
+  add_state(object, find_state_dict(object, place, key), storages, budget, state);
   return state;
 }
 

@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "nn/base/mapped_file.h"
 #include "nn/io/state_dict.h"
@@ -21,8 +22,9 @@ namespace penumbra::weights_tools {
 // True where a pickle begins, of this format or of another.
 bool begins_like_a_pickle(std::span<const std::byte> bytes);
 
-// The state dict in it (torch_state_dict.h). Tensors view the file where they lie contiguously.
-// Throws InputError.
-nn::StateDict read_torch_legacy(const std::shared_ptr<const MappedFile>& file, const std::string& place);
+// The state dict in it, or the one under `key` where that is not empty (torch_state_dict.h). Tensors view the
+// file where they lie contiguously. Throws InputError.
+nn::StateDict read_torch_legacy(const std::shared_ptr<const MappedFile>& file, const std::string& place,
+                                std::string_view key);
 
 }  // namespace penumbra::weights_tools

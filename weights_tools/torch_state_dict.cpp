@@ -3,70 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <map>
-#include <set>
 #include <string_view>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
+#include "weights_tools/find_weights.h"
 
 namespace penumbra::weights_tools {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> kWrappers = {"state_dict", "model_state_dict", "model"};
-constexpr int kDeepestWrapper = 4;
 constexpr std::size_t kMostTensors = 1U << 18;
 constexpr std::size_t kMostDimensions = 64;
-constexpr std::size_t kLongestName = 1024;  // bytes
-constexpr std::string_view kParallelPrefix = "module.";
-
-bool holds_tensors(const PickledObject& object, const Value& dict) {
-  for (std::size_t i = 1; i < dict.items.size(); i += 2) {
-    if (object[dict.items[i]].kind == ValueKind::tensor) return true;
-  }
-  return false;
-}
-
-// What stands under `key`, or null.
-const Value* find_entry(const PickledObject& object, const Value& dict, std::string_view key) {
-  const Value* found = nullptr;
-  for (std::size_t i = 0; i + 1 < dict.items.size(); i += 2) {
-    const Value& name = object[dict.items[i]];
-    if (name.kind == ValueKind::text && name.text == key) found = &object[dict.items[i + 1]];
-  }
-  return found;
-}
-
-// The dict with the tensors. A wrapper is preferred to tensors beside it: those are losses and the like.
-// `visited`: dicts may hold themselves and each other.
-const Value* find_tensors(const PickledObject& object, const Value& dict, int depth,
-                          std::set<const Value*>& visited) {
-  if (!visited.insert(&dict).second) return nullptr;
-  if (depth < kDeepestWrapper) {
-    for (const std::string_view wrapper : kWrappers) {
-      const Value* inner = find_entry(object, dict, wrapper);
-      if (inner == nullptr || inner->kind != ValueKind::dict) continue;
-      const Value* found = find_tensors(object, *inner, depth + 1, visited);
-      if (found != nullptr) return found;
-    }
-  }
-  return holds_tensors(object, dict) ? &dict : nullptr;
-}
-
-std::string list_keys(const PickledObject& object, const Value& dict) {
-  std::string list;
-  for (std::size_t i = 0; i < std::min<std::size_t>(dict.items.size(), 16); i += 2) {
-    const Value& key = object[dict.items[i]];
-    if (!list.empty()) list += ", ";
-    list +=
-        key.kind == ValueKind::text ? fmt::format("\"{}\"", printable(key.text, 40)) : to_string(key.kind);
-  }
-  if (dict.items.size() > 16) list += ", ...";
-  return list.empty() ? "an empty dict" : fmt::format("a dict with {}", list);
-}
 
 // Whole numbers >= 0: a size or a stride.
 std::vector<std::int64_t> read_extents(const PickledObject& object, const Value& tuple,
@@ -105,9 +54,30 @@ void check_indices(const TorchTensor& tensor, std::int64_t elements, const std::
   }
 }
 
+// PyTorch delays some changes of sign to when the elements are used.
+void check_metadata(const PickledObject& object, const Value& value, const std::string& where) {
+  constexpr std::size_t kMetadata = 4;
+  if (value.items.size() <= kMetadata) return;
+  for (const std::string_view mark : {"neg", "conj"}) {
+    const Value* found = object.find(object[value.items[kMetadata]], mark);
+    if (found != nullptr && found->kind == ValueKind::boolean && found->number != 0) {
+      throw InputError(
+          where, "elements as they are stored",
+          fmt::format("elements that are still to be {} (its metadata: {}; save tensor.resolve_{}())",
+                      mark == "neg" ? "negated" : "conjugated", mark, mark));
+    }
+  }
+}
+
 TorchTensor read_tensor(const PickledObject& object, const Value& value, std::string name,
                         const std::string& place) {
+  if (value.kind == ValueKind::unread_tensor) {
+    throw InputError(
+        fmt::format("{}: tensor \"{}\"", place, printable(name)), "a dense tensor of plain numbers",
+        fmt::format("one of {} (sparse, quantised and other tensors are not read)", printable(value.text)));
+  }
   const std::string where = fmt::format("{}: byte {}: tensor \"{}\"", place, value.number, printable(name));
+  check_metadata(object, value, where);
   if (!is_utf8(name)) throw InputError(where, "a name in UTF-8", "other bytes");
   const Value& size = object[value.items[2]];
   const Value& stride = object[value.items[3]];
@@ -127,47 +97,21 @@ TorchTensor read_tensor(const PickledObject& object, const Value& value, std::st
   return tensor;
 }
 
-void strip_parallel_prefix(std::vector<TorchTensor>& tensors) {
-  const bool shared = std::all_of(tensors.begin(), tensors.end(), [](const TorchTensor& tensor) {
-    return tensor.name.starts_with(kParallelPrefix);
-  });
-  if (!shared) return;
-  for (TorchTensor& tensor : tensors) tensor.name.erase(0, kParallelPrefix.size());
-}
-
 }  // namespace
 
-std::vector<TorchTensor> find_state_dict(const PickledObject& object, const std::string& place) {
-  const std::string_view wanted =
-      "a dict of tensors, alone or under \"state_dict\", \"model_state_dict\" or \"model\"";
-  const Value& root = object[object.root];
-  if (root.kind != ValueKind::dict) throw InputError(place, wanted, to_string(root.kind));
-  std::set<const Value*> visited;
-  const Value* dict = find_tensors(object, root, 0, visited);
-  if (dict == nullptr) throw InputError(place, wanted, list_keys(object, root));
-
-  std::map<std::string_view, ValueId> entries;
-  for (std::size_t i = 0; i + 1 < dict->items.size(); i += 2) {
-    const Value& name = object[dict->items[i]];
-    if (name.kind != ValueKind::text) continue;
-    // Checked before names are compared, which could take hours with ones of megabytes.
-    if (name.text.size() > kLongestName) {
-      throw InputError(place, fmt::format("names of at most {} bytes", kLongestName),
-                       fmt::format("{} bytes: \"{}\"", name.text.size(), printable(name.text, 40)));
-    }
-    entries[name.text] = dict->items[i + 1];
+TorchState find_state_dict(const PickledObject& object, const std::string& place, std::string_view key) {
+  FoundWeights found = find_weights(object, place, key);
+  if (found.tensors.size() > kMostTensors) {
+    throw InputError(place, fmt::format("at most {} tensors", kMostTensors), "more");
   }
-  std::vector<TorchTensor> tensors;
-  for (const auto& [name, id] : entries) {
-    const Value& value = object[id];
-    if (value.kind != ValueKind::tensor) continue;
-    if (tensors.size() == kMostTensors) {
-      throw InputError(place, fmt::format("at most {} tensors", kMostTensors), "more");
-    }
-    tensors.push_back(read_tensor(object, value, std::string(name), place));
+  TorchState state;
+  state.metadata = std::move(found.metadata);
+  state.notes = std::move(found.notes);
+  for (NamedValue& tensor : found.tensors) {
+    state.tensors.push_back(read_tensor(object, object[tensor.value], std::move(tensor.name), place));
   }
-  strip_parallel_prefix(tensors);
-  return tensors;
+  if (found.stride) state.stride = read_tensor(object, object[*found.stride], "stride", place);
+  return state;
 }
 
 }  // namespace penumbra::weights_tools

@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "weights_tools/pickle_value.h"
@@ -19,10 +22,15 @@ struct TorchTensor {
   std::vector<std::int64_t> shape, stride;
 };
 
-// The state dict is the object itself, or what it holds under "state_dict", "model_state_dict" or "model"
-// (nested up to four deep). Entries that are no tensors are left out; of a name that stands twice the last
-// counts, as in Python; a prefix "module." that all names share (torch.nn.DataParallel) is stripped. Returned
-// in order of name. Throws InputError where there is no tensor, or where one does not fit its storage.
-std::vector<TorchTensor> find_state_dict(const PickledObject& object, const std::string& place);
+struct TorchState {
+  std::vector<TorchTensor> tensors;             // in order of name
+  std::optional<TorchTensor> stride;            // a whole YOLOv5's: its values are metadata
+  std::map<std::string, std::string> metadata;  // of a whole network, and class names
+  std::vector<std::string> notes;               // for the user
+};
+
+// The tensors that find_weights.h finds, checked. Throws InputError where there is none, where one does not
+// fit its storage, and where one is of a kind that is not read.
+TorchState find_state_dict(const PickledObject& object, const std::string& place, std::string_view key = {});
 
 }  // namespace penumbra::weights_tools

@@ -58,22 +58,12 @@ void copy_strided(const TorchTensor& tensor, std::size_t size, const std::byte* 
       return copy_strided<4>(tensor, storage, out);
     case 8:
       return copy_strided<8>(tensor, storage, out);
+    case 16:
+      return copy_strided<16>(tensor, storage, out);
   }
 }
 
-}  // namespace
-
-void MemoryBudget::take(std::uint64_t bytes, const std::string& place) {
-  if (bytes > left_) {
-    throw InputError(place, "data in proportion to the file's size",
-                     fmt::format("{} bytes when unpacked", bytes));
-  }
-  left_ -= bytes;
-}
-
-std::shared_ptr<std::byte[]> make_buffer(std::size_t size) {
-  return std::shared_ptr<std::byte[]>(new std::byte[size]);
-}
+constexpr std::size_t kMostStrides = 8;
 
 void add_tensors(const PickledObject& object, const std::vector<TorchTensor>& tensors,
                  const std::vector<std::span<const std::byte>>& storages, MemoryBudget& budget,
@@ -81,7 +71,7 @@ void add_tensors(const PickledObject& object, const std::vector<TorchTensor>& te
   for (const TorchTensor& tensor : tensors) {
     const std::span<const std::byte> storage = storages[tensor.storage];
     nn::StoredTensor stored{.type = object.storages[tensor.storage].type, .shape = tensor.shape, .bytes = {}};
-    const std::size_t size = nn::size_of(stored.type);
+    const std::size_t size = nn::size_of(stored.type);  // of the types that PyTorch has: whole bytes
     std::uint64_t bytes = size;
     bool overflows = false;
     for (const std::int64_t extent : tensor.shape) {
@@ -105,6 +95,42 @@ void add_tensors(const PickledObject& object, const std::vector<TorchTensor>& te
     }
     state.tensors.emplace(tensor.name, std::move(stored));
   }
+}
+
+}  // namespace
+
+void MemoryBudget::take(std::uint64_t bytes, const std::string& place) {
+  if (bytes > left_) {
+    throw InputError(place, "data in proportion to the file's size",
+                     fmt::format("{} bytes when unpacked", bytes));
+  }
+  left_ -= bytes;
+}
+
+std::shared_ptr<std::byte[]> make_buffer(std::size_t size) {
+  return std::shared_ptr<std::byte[]>(new std::byte[size]);
+}
+
+std::vector<const TorchTensor*> tensors_to_read(const TorchState& torch) {
+  std::vector<const TorchTensor*> all;
+  for (const TorchTensor& tensor : torch.tensors) all.push_back(&tensor);
+  if (torch.stride) all.push_back(&*torch.stride);
+  return all;
+}
+
+void add_state(const PickledObject& object, TorchState torch,
+               const std::vector<std::span<const std::byte>>& storages, MemoryBudget& budget,
+               nn::StateDict& state) {
+  add_tensors(object, torch.tensors, storages, budget, state);
+  state.metadata.merge(torch.metadata);
+  state.notes = std::move(torch.notes);
+  if (!torch.stride) return;
+  nn::StateDict strides;
+  strides.source = state.source;
+  add_tensors(object, {*torch.stride}, storages, budget, strides);
+  const nn::StoredTensor& tensor = strides.tensors.begin()->second;
+  if (!nn::has_f32_values(tensor.type) || tensor.elements() > static_cast<std::int64_t>(kMostStrides)) return;
+  state.metadata["stride"] = fmt::format("{}", fmt::join(tensor.to_f32(), ","));
 }
 
 }  // namespace penumbra::weights_tools

@@ -32,11 +32,15 @@ class MemoryBudget {
 // A buffer that is not zeroed first.
 std::shared_ptr<std::byte[]> make_buffer(std::size_t size);
 
-// Adds `tensors` to `state`. Where the elements lie contiguously in the storage the tensor views them;
-// otherwise (transposed, expanded, every other one ...) they are copied into a buffer of their own, which
-// `state` owns. `storages` holds, for each of object.storages that a tensor uses, all of its bytes.
-void add_tensors(const PickledObject& object, const std::vector<TorchTensor>& tensors,
-                 const std::vector<std::span<const std::byte>>& storages, MemoryBudget& budget,
-                 nn::StateDict& state);
+// The tensors of which the storages are needed: all, and the strides.
+std::vector<const TorchTensor*> tensors_to_read(const TorchState& torch);
+
+// Adds tensors, metadata and notes to `state`. Where the elements lie contiguously in the storage the tensor
+// views them; otherwise (transposed, expanded, every other one ...) they are copied into a buffer of their
+// own, which `state` owns. `storages` holds, for each of object.storages that a tensor uses, all of its
+// bytes.
+void add_state(const PickledObject& object, TorchState torch,
+               const std::vector<std::span<const std::byte>>& storages, MemoryBudget& budget,
+               nn::StateDict& state);
 
 }  // namespace penumbra::weights_tools

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "weights_tools/pickle_machine.h"
@@ -49,7 +51,8 @@ void check_byte_order(const ZipArchive& archive, const std::string& folder, cons
 
 }  // namespace
 
-nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, const std::string& place) {
+nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, const std::string& place,
+                             std::string_view key) {
   const ZipArchive archive(file->bytes(), place);
   MemoryBudget budget(file->bytes().size());
   const std::string folder = find_folder(archive, place);
@@ -63,17 +66,17 @@ nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, cons
   }
   const std::shared_ptr<std::byte[]> pickle = archive.read(pickle_entry->first, pickle_entry->second, budget);
   const PickledObject object = run_pickle({pickle.get(), pickle_entry->second.size}, 0, pickle_place);
-  const std::vector<TorchTensor> tensors = find_state_dict(object, pickle_place);
+  TorchState torch = find_state_dict(object, pickle_place, key);
 
   nn::StateDict state;
   state.source = place;
   std::vector<std::span<const std::byte>> storages(object.storages.size());
   std::vector<bool> is_read(object.storages.size(), false);
-  for (const TorchTensor& tensor : tensors) {
-    if (is_read[tensor.storage]) continue;
-    is_read[tensor.storage] = true;
-    const StorageRequest& request = object.storages[tensor.storage];
-    const std::string where = fmt::format("{}: tensor \"{}\"", place, printable(tensor.name));
+  for (const TorchTensor* tensor : tensors_to_read(torch)) {
+    if (is_read[tensor->storage]) continue;
+    is_read[tensor->storage] = true;
+    const StorageRequest& request = object.storages[tensor->storage];
+    const std::string where = fmt::format("{}: tensor \"{}\"", place, printable(tensor->name));
     const auto found = archive.entries().find(fmt::format("{}data/{}", folder, request.key));
     if (found == archive.entries().end()) {
       throw InputError(where, fmt::format("its storage data/{}", printable(request.key)),
@@ -85,10 +88,10 @@ nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, cons
                        fmt::format("{} bytes", size));
     }
     const std::shared_ptr<std::byte[]> bytes = archive.read(found->first, found->second, budget);
-    storages[tensor.storage] = {bytes.get(), size};
+    storages[tensor->storage] = {bytes.get(), size};
     state.owners.push_back(bytes);
   }
-  add_tensors(object, tensors, storages, budget, state);
+  add_state(object, std::move(torch), storages, budget, state);
   return state;
 }
 

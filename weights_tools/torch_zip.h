@@ -9,14 +9,16 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "nn/base/mapped_file.h"
 #include "nn/io/state_dict.h"
 
 namespace penumbra::weights_tools {
 
-// The state dict in it (torch_state_dict.h). Only the storages of its tensors are read, each once.
-// Throws InputError.
-nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, const std::string& place);
+// The state dict in it, or the one under `key` where that is not empty (torch_state_dict.h). Only the
+// storages of its tensors are read, each once. Throws InputError.
+nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, const std::string& place,
+                             std::string_view key);
 
 }  // namespace penumbra::weights_tools

@@ -17,14 +17,6 @@ namespace {
 
 constexpr std::size_t kMostDimensions = 64;  // as in PyTorch
 
-std::optional<DataType> data_type_named(std::string_view name) {
-  for (const DataType type : {DataType::f64, DataType::f32, DataType::f16, DataType::bf16, DataType::i64,
-                              DataType::i32, DataType::i16, DataType::i8, DataType::u8, DataType::boolean}) {
-    if (name == to_string(type)) return type;
-  }
-  return std::nullopt;
-}
-
 // Receives the parser's events one by one, so no tree is built: names that stand twice are seen (a tree would
 // keep the last one silently) and unexpected structure ends the parse where it begins.
 class HeaderHandler final : public nlohmann::json_sax<nlohmann::json> {
@@ -74,7 +66,7 @@ class HeaderHandler final : public nlohmann::json_sax<nlohmann::json> {
     } else if (state_ == State::tensor && key_ == "dtype") {
       const std::optional<DataType> type = data_type_named(value);
       if (!type) {
-        fail("an element type of F64 F32 F16 BF16 I64 I32 I16 I8 U8 BOOL", "\"" + printable(value) + "\"");
+        fail("an element type that safetensors has, such as F32", "\"" + printable(value) + "\"");
       }
       header_.tensors.back().type = *type;
     } else {
@@ -114,7 +106,8 @@ class HeaderHandler final : public nlohmann::json_sax<nlohmann::json> {
 
   bool number_integer(number_integer_t value) override { return unexpected(std::to_string(value)); }
   bool number_float(number_float_t, const string_t& text) override { return unexpected(printable(text)); }
-  bool null() override { return unexpected("null"); }
+  // Some writers put null where they have no metadata.
+  bool null() override { return (state_ == State::root && key_ == "__metadata__") || unexpected("null"); }
   bool boolean(bool value) override { return unexpected(value ? "true" : "false"); }
   bool binary(binary_t&) override { return unexpected("binary data"); }
 
@@ -171,14 +164,19 @@ class HeaderHandler final : public nlohmann::json_sax<nlohmann::json> {
     if (tensor.end < tensor.begin) {
       fail("data_offsets [BEGIN, END] with BEGIN <= END", fmt::format("[{}, {}]", tensor.begin, tensor.end));
     }
-    std::uint64_t size = size_of(tensor.type);
+    std::int64_t elements = 1;  // in the type that readers count in; an extent of 0 may follow large ones
+    bool overflows = false;
     for (const std::int64_t extent : tensor.shape) {
-      if (__builtin_mul_overflow(size, static_cast<std::uint64_t>(extent), &size) || size > kLargestSize) {
-        fail("a shape of less than 2^63 bytes", fmt::format("[{}]", fmt::join(tensor.shape, ", ")));
-      }
+      overflows = overflows || __builtin_mul_overflow(elements, extent, &elements);
     }
-    if (size != tensor.end - tensor.begin) {
-      fail(fmt::format("{} bytes for {} [{}]", size, to_string(tensor.type), fmt::join(tensor.shape, ", ")),
+    const std::optional<std::uint64_t> size =
+        overflows ? std::nullopt : bytes_of(tensor.type, static_cast<std::uint64_t>(elements));
+    if (!size || *size > kLargestSize) {
+      fail("a shape of less than 2^63 bytes, all of them whole",
+           fmt::format("{} [{}]", to_string(tensor.type), fmt::join(tensor.shape, ", ")));
+    }
+    if (*size != tensor.end - tensor.begin) {
+      fail(fmt::format("{} bytes for {} [{}]", *size, to_string(tensor.type), fmt::join(tensor.shape, ", ")),
            fmt::format("data_offsets that span {}", tensor.end - tensor.begin));
     }
   }

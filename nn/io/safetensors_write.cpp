@@ -77,9 +77,10 @@ void check(const StateDict& state, const std::string& place) {
     const std::string where = fmt::format("{}: \"{}\"", place, printable(name));
     if (name == "__metadata__") throw InputError(where, "another name", "the one that the format reserves");
     if (!is_utf8(name)) throw InputError(where, "a name in UTF-8", "other bytes");
-    const std::size_t size = size_of(tensor.type) * static_cast<std::size_t>(tensor.elements());
+    const auto size = bytes_of(tensor.type, static_cast<std::uint64_t>(tensor.elements()));
     if (size != tensor.bytes.size()) {
-      throw InputError(where, fmt::format("{} bytes", size), fmt::format("{}", tensor.bytes.size()));
+      throw InputError(where, fmt::format("{} bytes", size.value_or(0)),
+                       fmt::format("{}", tensor.bytes.size()));
     }
   }
 }

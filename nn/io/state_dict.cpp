@@ -1,7 +1,11 @@
 #include "nn/io/state_dict.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <limits>
 
+#include "nn/base/error.h"
 #include "nn/io/half.h"
 
 namespace penumbra::nn {
@@ -24,53 +28,58 @@ std::vector<float> cast_all(const StoredTensor& tensor) {
   return convert_all<Stored>(tensor, [](Stored value) { return static_cast<float>(value); });
 }
 
+struct TypeFacts {
+  DataType type;
+  const char* name;
+  std::uint64_t bits;
+};
+
+constexpr std::array kTypes = {
+    TypeFacts{DataType::f64, "F64", 64},        TypeFacts{DataType::f32, "F32", 32},
+    TypeFacts{DataType::f16, "F16", 16},        TypeFacts{DataType::bf16, "BF16", 16},
+    TypeFacts{DataType::i64, "I64", 64},        TypeFacts{DataType::i32, "I32", 32},
+    TypeFacts{DataType::i16, "I16", 16},        TypeFacts{DataType::i8, "I8", 8},
+    TypeFacts{DataType::u8, "U8", 8},           TypeFacts{DataType::boolean, "BOOL", 8},
+    TypeFacts{DataType::u64, "U64", 64},        TypeFacts{DataType::u32, "U32", 32},
+    TypeFacts{DataType::u16, "U16", 16},        TypeFacts{DataType::c128, "C128", 128},
+    TypeFacts{DataType::c64, "C64", 64},        TypeFacts{DataType::f8_e5m2, "F8_E5M2", 8},
+    TypeFacts{DataType::f8_e4m3, "F8_E4M3", 8}, TypeFacts{DataType::f8_e8m0, "F8_E8M0", 8},
+    TypeFacts{DataType::f6_e3m2, "F6_E3M2", 6}, TypeFacts{DataType::f6_e2m3, "F6_E2M3", 6},
+    TypeFacts{DataType::f4, "F4", 4},
+};
+
+const TypeFacts& facts_of(DataType type) {
+  return *std::find_if(kTypes.begin(), kTypes.end(),
+                       [&](const TypeFacts& facts) { return facts.type == type; });
+}
+
 }  // namespace
 
-std::size_t size_of(DataType type) {
-  switch (type) {
-    case DataType::f64:
-    case DataType::i64:
-      return 8;
-    case DataType::f32:
-    case DataType::i32:
-      return 4;
-    case DataType::f16:
-    case DataType::bf16:
-    case DataType::i16:
-      return 2;
-    case DataType::i8:
-    case DataType::u8:
-    case DataType::boolean:
-      return 1;
+std::size_t size_of(DataType type) { return (facts_of(type).bits + 7) / 8; }
+
+const char* to_string(DataType type) { return facts_of(type).name; }
+
+std::optional<DataType> data_type_named(std::string_view name) {
+  for (const TypeFacts& facts : kTypes) {
+    if (name == facts.name) return facts.type;
   }
-  return 0;
+  return std::nullopt;
 }
 
-const char* to_string(DataType type) {
-  switch (type) {
-    case DataType::f64:
-      return "F64";
-    case DataType::f32:
-      return "F32";
-    case DataType::f16:
-      return "F16";
-    case DataType::bf16:
-      return "BF16";
-    case DataType::i64:
-      return "I64";
-    case DataType::i32:
-      return "I32";
-    case DataType::i16:
-      return "I16";
-    case DataType::i8:
-      return "I8";
-    case DataType::u8:
-      return "U8";
-    case DataType::boolean:
-      return "BOOL";
+std::optional<std::uint64_t> bytes_of(DataType type, std::uint64_t elements) {
+  std::uint64_t bits = 0;
+  if (__builtin_mul_overflow(elements, facts_of(type).bits, &bits)) {
+    // Whole bytes: the product may pass 2^64 bits and be less than 2^63 bytes.
+    std::uint64_t bytes = 0;
+    const bool fits =
+        facts_of(type).bits % 8 == 0 && !__builtin_mul_overflow(elements, size_of(type), &bytes);
+    if (!fits || bytes > std::uint64_t{std::numeric_limits<std::int64_t>::max()}) return std::nullopt;
+    return bytes;
   }
-  return "?";
+  return bits % 8 == 0 ? std::optional(bits / 8) : std::nullopt;
 }
+
+bool has_f32_values(DataType type) { return type <= DataType::boolean; }
 
 std::int64_t StoredTensor::elements() const {
   std::int64_t count = 1;
@@ -99,8 +108,10 @@ std::vector<float> StoredTensor::to_f32() const {
     case DataType::u8:
     case DataType::boolean:
       return cast_all<std::uint8_t>(*this);
+    default:
+      break;
   }
-  return {};
+  throw InputError("tensor", "an element type of numbers", to_string(type));
 }
 
 }  // namespace penumbra::nn

@@ -56,7 +56,8 @@ NameList listed_names(const StateDict& weights, const std::filesystem::path& fil
   if (!file.empty()) {
     list = {split(read_file(file, "a list of class names"), "\n"), file.string()};
   } else if (listed != weights.metadata.end()) {
-    list = {split(listed->second, ",\n"), weights.source + ", metadata classes"};
+    const bool has_lines = listed->second.find('\n') != std::string::npos;  // then names may hold commas
+    list = {split(listed->second, has_lines ? "\n" : ","), weights.source + ", metadata classes"};
   }
   for (const std::string& name : list.names) {
     const std::string shown = printable(name);

@@ -11,7 +11,7 @@ namespace penumbra::nn {
 
 // One name a class, index = class number, 0 the background. The first of these that there is:
 //   `file` (may be empty): one name a line; the background's line may be left out
-//   metadata "classes" of the weights: the same, separated by commas or line breaks
+//   metadata "classes" of the weights: the same, separated by line breaks or, in one line, by commas
 //   COCO's 91 names where the network has 91 classes
 //   "class 1", "class 2", ...
 // Where there are 91 classes, a list of 80 names goes to the numbers that COCO uses.

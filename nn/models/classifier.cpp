@@ -19,7 +19,9 @@ constexpr int kImageNetClasses = 1000;
 
 Classifier::Classifier(const StateDict& state_dict, ClassifierConfig config) : config_(config) {
   WeightReader weights(state_dict);
-  backbone_ = ResNet(weights, "", resnet_shape(weights, ""), config.batch_norm_eps);
+  config_.batch_norm_eps = weights.batch_norm_eps(config_.batch_norm_eps);
+  weights.expect_metadata("activations", "ReLU");
+  backbone_ = ResNet(weights, "", resnet_shape(weights, ""), config_.batch_norm_eps);
   const Shape shape = weights.shape("fc.weight");
   const std::int64_t classes = shape.empty() ? kImageNetClasses : shape.front();
   const int features = backbone_.channels().back();

@@ -22,7 +22,8 @@ struct ClassifierConfig {
 
 class Classifier {
  public:
-  // Throws InputError that lists every tensor that is missing, mis-shaped or not part of the network.
+  // Metadata "batch_norm_eps" of the weights replace the config's. Throws InputError that lists every tensor
+  // that is missing, mis-shaped, not finite or not part of the network.
   explicit Classifier(const StateDict& weights, ClassifierConfig config = {});
 
   std::string name() const;

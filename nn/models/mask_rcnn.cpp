@@ -79,6 +79,7 @@ MaskRcnn::MaskRcnn(const StateDict& state_dict, MaskRcnnConfig config)
     : config_(with_metadata(state_dict, config)) {
   const StateDict renamed = with_current_names(state_dict);
   WeightReader weights(renamed, config_.precision);
+  weights.expect_metadata("activations", "ReLU");
   backbone_ = ResNet(weights, kBody, resnet_shape(weights, kBody), config_.batch_norm_eps);
   pyramid_ = FeaturePyramid(weights, "backbone.fpn.", backbone_.channels(), config_.attention);
   const int channels = pyramid_.channels();

@@ -42,9 +42,8 @@ struct ConvolutionShape {
 Conv2d folded_convolution(WeightReader& weights, const std::string& convolution, const std::string& norm,
                           ConvolutionShape shape, Activation activation, float eps,
                           int input_block = kBlock) {
-  FoldedConvolution folded = fold_batch_norm(
-      weights.tensor(convolution + ".weight", {shape.outputs, shape.inputs, shape.kernel, shape.kernel}),
-      weights.batch_norm(norm, shape.outputs, eps));
+  const FoldedConvolution folded =
+      weights.folded(convolution, {shape.outputs, shape.inputs, shape.kernel, shape.kernel}, norm, eps);
   Conv2dOptions options;
   options.stride = shape.stride;
   options.padding = shape.kernel / 2;

@@ -13,6 +13,8 @@ namespace penumbra::nn {
 
 Yolov5::Yolov5(const StateDict& state_dict, Yolov5Config config) : config_(config) {
   WeightReader weights(state_dict, config_.precision);
+  weights.expect_metadata("activations", "SiLU");
+  weights.expect_metadata("stride", "8,16,32");
   shape_ = yolov5_shape(weights);
   features_ = Yolov5Features(weights, shape_);
   head_ = Yolov5Head(weights, shape_);

@@ -13,7 +13,7 @@ namespace penumbra::nn {
 
 namespace {
 
-constexpr float kBatchNormEps = 1e-3F;
+constexpr float kBatchNormEps = 1e-3F;  // where the weights do not say
 constexpr PoolOptions kSppfPool{5, 1, 2};
 
 }  // namespace
@@ -25,13 +25,13 @@ Conv2d yolov5_conv(WeightReader& weights, const std::string& name, const Yolov5C
   options.padding = (shape.kernel - 1) / 2;  // the 6 x 6 stem's, too
   options.activation = Activation::silu;
   if (input_block == kBlock) options.format = weights.format(name);  // the stem stays f32
-  Tensor weight =
-      weights.tensor(name + ".conv.weight", {shape.outputs, shape.inputs, shape.kernel, shape.kernel});
+  const Shape weight{shape.outputs, shape.inputs, shape.kernel, shape.kernel};
   if (weights.has(name + ".conv.bias")) {
-    return {weight, weights.vector(name + ".conv.bias", shape.outputs), options, input_block};
+    return {weights.tensor(name + ".conv.weight", weight), weights.vector(name + ".conv.bias", shape.outputs),
+            options, input_block};
   }
   const FoldedConvolution folded =
-      fold_batch_norm(std::move(weight), weights.batch_norm(name + ".bn", shape.outputs, kBatchNormEps));
+      weights.folded(name + ".conv", weight, name + ".bn", weights.batch_norm_eps(kBatchNormEps));
   return {folded.weight, folded.bias, options, input_block};
 }
 

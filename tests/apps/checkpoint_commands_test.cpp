@@ -44,7 +44,10 @@ TEST(ConvertCommand, ConvertsFloatsAndRecordsMetadata) {
   for (const auto& [path, dtype] : {std::pair{first, "F16"}, std::pair{second, "F32"}}) {
     const nlohmann::json found = info(path);
     for (const nlohmann::json& tensor : found["tensors"]) {
-      EXPECT_EQ(tensor["dtype"], tensor["name"] == "1.num_batches_tracked" ? "I64" : dtype) << tensor;
+      // Module 1 is a batch norm, whose vectors f16 would falsify.
+      const std::string name = tensor["name"];
+      const char* expected = name == "1.num_batches_tracked" ? "I64" : name.starts_with("1.") ? "F32" : dtype;
+      EXPECT_EQ(tensor["dtype"], expected) << tensor;
     }
   }
   EXPECT_EQ(info(second)["metadata"],

@@ -38,14 +38,36 @@ TEST(ConvertFloats, FloatsChangeAndIntegersStay) {
   }
 }
 
-TEST(ConvertFloats, ValuesBeyondTheRangeAreReported) {
+// A network does not load with infinite weights, so f16 may not make them of finite ones.
+TEST(ConvertFloats, ValuesBeyondTheRangeAreReportedAndStay) {
   const std::vector<float> values = {1.0F, 65520.0F}, infinite = {std::numeric_limits<float>::infinity()};
   nn::StateDict state;
   state.tensors["large"] = {DataType::f32, {2}, std::as_bytes(std::span(values))};
   state.tensors["infinite"] = {DataType::f32, {1}, std::as_bytes(std::span(infinite))};
   const FloatConversion conversion = convert_floats(state, DataType::f16);
   EXPECT_EQ(conversion.out_of_range, std::vector<std::string>{"large"});
-  EXPECT_EQ(conversion.converted, 2U);
+  EXPECT_EQ(conversion.converted, 1U);
+  EXPECT_EQ(conversion.state.tensors.at("large").type, DataType::f32);
+  EXPECT_EQ(conversion.state.tensors.at("infinite").type, DataType::f16);
+}
+
+TEST(ConvertFloats, BatchNormsAndRowsThatF16WouldLoseStayF32) {
+  const std::vector<float> variance = {1.0F, 2e-9F}, rows = {1.0F, 2.0F, 1e-6F, -1e-7F}, bias = {1.0F, 1e-7F};
+  const auto tensor = [](const std::vector<float>& values, std::vector<std::int64_t> shape) {
+    return nn::StoredTensor{DataType::f32, std::move(shape), std::as_bytes(std::span(values))};
+  };
+  nn::StateDict state;
+  state.tensors["bn.running_var"] = tensor(variance, {2});
+  state.tensors["bn.weight"] = tensor(bias, {2});
+  state.tensors["conv.weight"] = tensor(rows, {2, 2});
+  state.tensors["conv.bias"] = tensor(bias, {2});
+  const FloatConversion conversion = convert_floats(state, DataType::f16);
+  EXPECT_EQ(conversion.batch_norms, 2U);
+  EXPECT_EQ(conversion.out_of_range, std::vector<std::string>{"conv.weight"});
+  EXPECT_EQ(conversion.converted, 1U);
+  EXPECT_EQ(conversion.state.tensors.at("bn.running_var").to_f32(), variance);
+  EXPECT_EQ(conversion.state.tensors.at("conv.weight").to_f32(), rows);
+  EXPECT_EQ(conversion.state.tensors.at("conv.bias").type, DataType::f16);
 }
 
 TEST(ConvertFloats, OnlyF32AndF16AreTargets) { EXPECT_THROW(convert_floats({}, DataType::i8), UsageError); }

@@ -25,10 +25,11 @@ bool read_checkpoint(std::string_view bytes) {
   return is_read([&] {
     for (const auto& [name, tensor] : weights_tools::load_weights(file.path()).tensors) {
       const auto elements = static_cast<std::size_t>(tensor.elements());
-      require(tensor.bytes.size() == elements * nn::size_of(tensor.type),
+      require(tensor.bytes.size() == nn::bytes_of(tensor.type, elements),
               "a tensor has the bytes of its shape");
       touch(tensor.bytes);
-      if (elements <= kFewElements) require(tensor.to_f32().size() == elements, "every element is converted");
+      if (elements <= kFewElements && nn::has_f32_values(tensor.type))
+        require(tensor.to_f32().size() == elements, "every element is converted");
     }
   });
 }
@@ -40,7 +41,8 @@ bool read_pickle(std::string_view bytes) {
     const weights_tools::PickledObject object =
         weights_tools::run_pickle(std::as_bytes(std::span(bytes)), 0, "pickle");
     require(object.end <= bytes.size(), "a pickle ends within its bytes");
-    for (const weights_tools::TorchTensor& tensor : weights_tools::find_state_dict(object, "pickle")) {
+    for (const weights_tools::TorchTensor& tensor :
+         weights_tools::find_state_dict(object, "pickle").tensors) {
       // The largest index, in arithmetic that cannot overflow, against the storage's size.
       long double last = static_cast<long double>(tensor.offset), elements = 1.0L;
       for (std::size_t d = 0; d < tensor.shape.size(); ++d) {

@@ -163,9 +163,10 @@ TEST(Yolov5, ImagesOfAnyShapeAreTakenAndDetectionsLieInsideThem) {
   EXPECT_THROW(network(cv::Mat(4, 4, CV_32FC3)), InputError);
 }
 
-TEST(Yolov5, WeightsThatAreNotANumberGiveNoDetections) {
+// NaN weights are refused when the network is made; large ones make NaN of the activations.
+TEST(Yolov5, ActivationsThatAreNotANumberGiveNoDetections) {
   StateDict weights = test::random_yolov5({0.125, 1.0 / 3.0, 2, true, true});
-  const std::vector<float> values(8 * 3 * 6 * 6, std::nanf(""));
+  const std::vector<float> values(8 * 3 * 6 * 6, 1e38F);
   weights.tensors["model.0.conv.weight"].bytes = std::as_bytes(std::span(values));
   Yolov5 network(weights);
   EXPECT_TRUE(network(test::random_image(1, 64, 48)).empty());

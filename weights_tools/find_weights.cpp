@@ -1,0 +1,258 @@
+#include "weights_tools/find_weights.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+
+#include "nn/base/error.h"
+#include "nn/base/text.h"
+#include "weights_tools/weight_names.h"
+
+namespace penumbra::weights_tools {
+
+namespace {
+
+constexpr std::size_t kDeepest = 4, kLongestName = 1024, kMostHolders = 1000, kMostVisited = 100'000;
+// Averaged weights first, as YOLOv5's and timm's own loaders take them.
+constexpr std::array<std::string_view, 7> kAveraged = {
+    "model_ema", "state_dict_ema", "ema_state_dict", "ema", "params_ema", "g_ema", "averaged_model"};
+constexpr std::array<std::string_view, 14> kUsual = {
+    "state_dict",     "model_state_dict", "model_state", "model",   "module", "net",     "network",
+    "net_state_dict", "params",           "generator",   "weights", "netG",   "teacher", "student"};
+constexpr int kOrdinaryRank = 500;  // of other keys, and of tensors that stand outermost
+// Parts of the keys of what is not a network.
+constexpr std::array<std::string_view, 12> kOther = {"optim",    "sched", "scaler",    "rng",
+                                                     "random",   "loss",  "criterion", "hyper",
+                                                     "callback", "args",  "config",    "metric"};
+
+struct Holder {
+  std::vector<std::string> path;  // keys
+  const Value* value = nullptr;
+  FoundWeights weights;
+  bool is_known = false;   // its names are those of a network that Penumbra runs
+  std::vector<int> ranks;  // of its keys, lower is better
+
+  std::string key() const { return fmt::format("{}", fmt::join(path, ".")); }
+};
+
+bool holds(const PickledObject& object, ValueId id) {
+  const ValueKind kind = object[id].kind;
+  return kind == ValueKind::tensor || kind == ValueKind::unread_tensor;
+}
+
+bool holds_tensors(const PickledObject& object, const Value& dict) {
+  for (std::size_t i = 1; i < dict.items.size(); i += 2) {
+    if (holds(object, dict.items[i])) return true;
+  }
+  return false;
+}
+
+bool is_of_something_else(std::string_view key) {
+  std::string lower(key);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::any_of(kOther.begin(), kOther.end(),
+                     [&](std::string_view part) { return lower.find(part) != std::string::npos; });
+}
+
+int rank_of(std::string_view key) {
+  const auto averaged = std::find(kAveraged.begin(), kAveraged.end(), key);
+  if (averaged != kAveraged.end()) return static_cast<int>(averaged - kAveraged.begin());
+  const auto usual = std::find(kUsual.begin(), kUsual.end(), key);
+  return usual != kUsual.end() ? 100 + static_cast<int>(usual - kUsual.begin()) : kOrdinaryRank;
+}
+
+bool is_averaged(const Holder& holder) {
+  return std::any_of(holder.ranks.begin(), holder.ranks.end(), [](int rank) { return rank < 100; });
+}
+
+// Tensors by name; whole numbers are names, too. The last of a name counts, as in Python.
+std::vector<NamedValue> tensors_of(const PickledObject& object, const Value& dict, const std::string& place) {
+  std::map<std::string, ValueId> entries;
+  for (std::size_t i = 0; i + 1 < dict.items.size(); i += 2) {
+    const Value& name = object[dict.items[i]];
+    // Checked before names are compared, which could take hours with ones of megabytes.
+    if (name.kind == ValueKind::text && name.text.size() > kLongestName) {
+      throw InputError(place, fmt::format("names of at most {} bytes", kLongestName),
+                       fmt::format("{} bytes: \"{}\"", name.text.size(), printable(name.text, 40)));
+    }
+    if (name.kind == ValueKind::text) {
+      entries[std::string(name.text)] = dict.items[i + 1];
+    } else if (name.kind == ValueKind::integer) {
+      entries[fmt::format("{}", name.number)] = dict.items[i + 1];
+    } else if (holds(object, dict.items[i + 1])) {
+      throw InputError(place, "tensors named by texts or whole numbers",
+                       fmt::format("a tensor under {}", to_string(name.kind)));
+    }
+  }
+  std::vector<NamedValue> tensors;
+  for (const auto& [name, id] : entries) {
+    if (holds(object, id)) tensors.push_back({name, id});
+  }
+  return tensors;
+}
+
+class Search {
+ public:
+  Search(const PickledObject& object, const std::string& place) : object_(object), place_(place) {}
+
+  // In order of depth. Objects may hold themselves and each other, and stand under several keys: each is
+  // looked into once.
+  std::vector<Holder> run() {
+    std::vector<Holder> queue = {{{}, &object_[object_.root], {}, false, {}}};
+    std::vector<Holder> found;
+    std::map<const Value*, bool> has_weights;
+    for (std::size_t next = 0; next < queue.size() && found.size() < kMostHolders; ++next) {
+      Holder holder = queue[next];
+      const auto [known, is_new] = has_weights.try_emplace(holder.value, false);
+      if (is_new) {
+        const bool is_whole = is_network(object_, *holder.value);
+        known->second = is_whole || holds_tensors(object_, *holder.value);
+        if (!is_whole && holder.path.size() < kDeepest) add_inner(holder, queue);
+      }
+      if (known->second) found.push_back(std::move(holder));
+    }
+    return found;
+  }
+
+  // Reads the tensors' names of a holder, and what ranks it.
+  void describe(Holder& holder) {
+    if (is_network(object_, *holder.value)) {
+      static_cast<WholeNetwork&>(holder.weights) =
+          read_whole_network(object_, *holder.value, place_, budget_);
+    } else {
+      holder.weights.tensors = tensors_of(object_, *holder.value, place_);
+    }
+    std::vector<std::string> names;
+    for (const NamedValue& tensor : holder.weights.tensors) {
+      if (tensor.name != kAveragingCounter) names.push_back(tensor.name);
+    }
+    holder.is_known = are_of_a_known_network(names);
+    for (const std::string& key : holder.path) holder.ranks.push_back(rank_of(key));
+    holder.ranks.resize(kDeepest, kOrdinaryRank);
+  }
+
+ private:
+  // The dicts and objects under the keys of `holder`.
+  void add_inner(const Holder& holder, std::vector<Holder>& queue) const {
+    const std::vector<ValueId>& items = holder.value->items;
+    for (std::size_t i = 0; i + 1 < items.size() && queue.size() < kMostVisited; i += 2) {
+      const Value& key = object_[items[i]];
+      const Value& value = object_[items[i + 1]];
+      if (key.kind != ValueKind::text || key.text.size() > kLongestName) continue;
+      if (value.kind != ValueKind::dict && value.kind != ValueKind::object) continue;
+      Holder inner{holder.path, &value, {}, false, {}};
+      inner.path.emplace_back(key.text);
+      queue.push_back(std::move(inner));
+    }
+  }
+
+  const PickledObject& object_;
+  const std::string& place_;
+  WalkBudget budget_;
+};
+
+std::string list_keys(const PickledObject& object, const Value& dict) {
+  std::string list;
+  for (std::size_t i = 0; i < std::min<std::size_t>(dict.items.size(), 16); i += 2) {
+    const Value& key = object[dict.items[i]];
+    if (!list.empty()) list += ", ";
+    list +=
+        key.kind == ValueKind::text ? fmt::format("\"{}\"", printable(key.text, 40)) : to_string(key.kind);
+  }
+  if (dict.items.size() > 16) list += ", ...";
+  return list.empty() ? "an empty dict" : fmt::format("{} with {}", to_string(dict.kind), list);
+}
+
+std::string list_holders(const std::vector<Holder>& holders) {
+  std::string list;
+  for (std::size_t i = 0; i < std::min<std::size_t>(holders.size(), 8); ++i) {
+    if (!list.empty()) list += ", ";
+    list +=
+        holders[i].path.empty() ? "the outermost dict" : fmt::format("'{}'", printable(holders[i].key(), 80));
+  }
+  return list + (holders.size() > 8 ? ", ..." : "");
+}
+
+// Averaged weights that lack some of the network's tensors (often the batch norms') rank behind the others.
+void rank_incomplete_averages(std::vector<Holder>& holders) {
+  std::size_t most = 0;
+  for (const Holder& holder : holders) {
+    if (!is_averaged(holder) && holder.ranks.front() < kOrdinaryRank) {
+      most = std::max(most, holder.weights.tensors.size());
+    }
+  }
+  for (Holder& holder : holders) {
+    if (is_averaged(holder) && holder.weights.tensors.size() < most) holder.ranks.front() = kOrdinaryRank + 1;
+  }
+}
+
+// Lower is better.
+bool precedes(const Holder& a, const Holder& b) {
+  if (a.is_known != b.is_known) return a.is_known;
+  if (a.ranks != b.ranks) return a.ranks < b.ranks;
+  return a.weights.tensors.size() > b.weights.tensors.size();
+}
+
+// Two keys that nothing tells apart: whoever takes the larger one would take the wrong one half of the time.
+bool are_equal(const Holder& best, const Holder& other) {
+  const bool is_inside = other.path.size() > best.path.size() &&
+                         std::equal(best.path.begin(), best.path.end(), other.path.begin());
+  return best.is_known == other.is_known && best.ranks == other.ranks && !best.path.empty() &&
+         !other.path.empty() && !is_inside && best.value != other.value;
+}
+
+}  // namespace
+
+FoundWeights find_weights(const PickledObject& object, const std::string& place, std::string_view key) {
+  const std::string_view wanted =
+      "a dict of tensors or a network, alone or under a key such as \"state_dict\"";
+  const Value& root = object[object.root];
+  if (root.kind != ValueKind::dict && root.kind != ValueKind::object) {
+    throw InputError(place, wanted, to_string(root.kind));
+  }
+  Search search(object, place);
+  std::vector<Holder> holders = search.run();
+  if (holders.empty()) throw InputError(place, wanted, list_keys(object, root));
+  std::vector<Holder> candidates;
+  for (const Holder& holder : holders) {
+    const std::string path = holder.key();
+    const bool is_under_key = path == key || path.starts_with(std::string(key) + ".");
+    const bool is_other = std::any_of(holder.path.begin(), holder.path.end(), is_of_something_else);
+    if (key.empty() ? !is_other : is_under_key) candidates.push_back(holder);
+  }
+  if (candidates.empty() && !key.empty()) {
+    throw InputError(place, fmt::format("weights under the key '{}'", printable(key)),
+                     "them under " + list_holders(holders));
+  }
+  if (candidates.empty()) candidates = holders;
+  for (Holder& holder : candidates) search.describe(holder);
+  rank_incomplete_averages(candidates);
+  std::stable_sort(candidates.begin(), candidates.end(), precedes);
+  if (key.empty() && candidates.size() > 1 && are_equal(candidates[0], candidates[1])) {
+    throw InputError(place, "one network, or --key with the one that is wanted",
+                     "several: " + list_holders(candidates));
+  }
+  Holder& best = candidates.front();
+  if (!best.path.empty()) {
+    std::string note = fmt::format("weights under '{}' taken", printable(best.key()));
+    candidates.erase(candidates.begin() + 1, candidates.end());
+    std::erase_if(holders, [&](const Holder& holder) {
+      return holder.path == best.path ||
+             std::any_of(holder.path.begin(), holder.path.end(), is_of_something_else);
+    });
+    if (!holders.empty()) note += fmt::format(" (others: {}; --key chooses)", list_holders(holders));
+    best.weights.notes.push_back(std::move(note));
+  }
+  // What training scripts keep beside the network.
+  for (const std::string_view list : {"names", "class_names", "classes", "CLASSES"}) {
+    const Value* names = object.find(root, list);
+    if (names == nullptr || best.weights.metadata.contains("classes")) continue;
+    if (const auto classes = read_class_list(object, *names)) best.weights.metadata["classes"] = *classes;
+  }
+  return std::move(best.weights);
+}
+
+}  // namespace penumbra::weights_tools

@@ -1,0 +1,185 @@
+#include "weights_tools/whole_network.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <set>
+#include <string_view>
+
+#include "nn/base/error.h"
+#include "nn/base/text.h"
+
+namespace penumbra::weights_tools {
+
+namespace {
+
+constexpr std::size_t kDeepest = 64, kLongestName = 1024;
+
+constexpr std::array<std::string_view, 13> kActivations = {
+    "SiLU", "ReLU", "ReLU6", "LeakyReLU", "PReLU", "ELU",  "CELU",
+    "SELU", "GELU", "Mish",  "Hardswish", "FReLU", "Swish"};
+
+class Walk {
+ public:
+  Walk(const PickledObject& object, const std::string& place, WalkBudget& budget)
+      : object_(object), place_(place), budget_(budget) {}
+
+  WholeNetwork run(const Value& network) {
+    // Parts that are still to be visited: no recursion, so that depth costs no stack.
+    std::vector<Part> parts = {{&network, "", 0}};
+    while (!parts.empty()) {
+      const Part part = std::move(parts.back());
+      parts.pop_back();
+      visit(part);
+      const Value* modules = find(*part.value, "_modules");
+      if (modules == nullptr) continue;
+      for (std::size_t i = 0; i + 1 < modules->items.size(); i += 2) {
+        const Value& inner = object_[modules->items[i + 1]];
+        if (inner.kind != ValueKind::object) continue;  // None: a part that is left out
+        parts.push_back({&inner, name_of(part, modules->items[i]) + ".", part.depth + 1});
+        take(budget_.parts, 1);
+        if (part.depth + 1 > kDeepest)
+          throw InputError(place_, "a network of at most 64 nested parts", "more");
+      }
+    }
+    finish();
+    return std::move(network_);
+  }
+
+ private:
+  struct Part {
+    const Value* value;
+    std::string prefix;
+    std::size_t depth;
+  };
+
+  void take(std::size_t& left, std::size_t count) const {
+    if (count > left) {
+      throw InputError(place_, "networks of at most 200,000 parts and 262,144 tensors",
+                       "more, or shared parts");
+    }
+    left -= count;
+  }
+
+  // PickledObject::find, counted: a hostile pickle may share a large dict among many parts.
+  const Value* find(const Value& holder, std::string_view key) {
+    take(budget_.looks, holder.items.size() + 1);
+    return object_.find(holder, key);
+  }
+
+  std::string name_of(const Part& part, ValueId key) {
+    const Value& text = object_[key];
+    if (text.kind != ValueKind::text) {
+      throw InputError(place_, "the names of a network's parts as text", to_string(text.kind));
+    }
+    if (part.prefix.size() + text.text.size() > kLongestName) {
+      throw InputError(place_, fmt::format("names of at most {} bytes", kLongestName), "longer ones");
+    }
+    take(budget_.name_bytes, part.prefix.size() + text.text.size());
+    return part.prefix + std::string(text.text);
+  }
+
+  void visit(const Part& part) {
+    std::set<std::string_view> left_out;  // buffers that state_dict() does not keep
+    if (const Value* names = find(*part.value, "_non_persistent_buffers_set")) {
+      for (const ValueId name : names->items) left_out.insert(object_[name].text);
+    }
+    for (const std::string_view key : {"_parameters", "_buffers"}) {
+      const Value* tensors = find(*part.value, key);
+      if (tensors == nullptr) continue;
+      for (std::size_t i = 0; i + 1 < tensors->items.size(); i += 2) {
+        const ValueKind kind = object_[tensors->items[i + 1]].kind;
+        if (kind != ValueKind::tensor && kind != ValueKind::unread_tensor) continue;  // None: no bias
+        const std::string name = name_of(part, tensors->items[i]);
+        if (key == "_buffers" && left_out.contains(object_[tensors->items[i]].text)) continue;
+        take(budget_.tensors, 1);
+        network_.tensors.push_back({name, tensors->items[i + 1]});
+      }
+      if (key == "_buffers" && find(*tensors, "running_var") != nullptr) note_epsilon(*part.value);
+    }
+    const std::string_view name = part.value->text;
+    if (std::find(kActivations.begin(), kActivations.end(), name) != kActivations.end()) {
+      activations_.insert(std::string(name));
+    }
+    // The outermost part that has names or strides speaks for all.
+    if (const Value* names = find(*part.value, "names"); names != nullptr && part.depth <= names_depth_) {
+      if (const auto classes = read_class_list(object_, *names)) {
+        network_.metadata["classes"] = *classes;
+        names_depth_ = part.depth;
+      }
+    }
+    const Value* stride = find(*part.value, "stride");
+    if (stride != nullptr && stride->kind == ValueKind::tensor && part.depth <= stride_depth_) {
+      network_.stride = static_cast<ValueId>(stride - object_.values.data());
+      stride_depth_ = part.depth;
+    }
+  }
+
+  void note_epsilon(const Value& norm) {
+    const Value* eps = find(norm, "eps");
+    if (eps == nullptr || eps->kind != ValueKind::real) return;
+    epsilons_.insert(fmt::format("{}", std::bit_cast<double>(eps->number)));
+  }
+
+  void finish() {
+    // Several epsilons make a list that no network takes: none of ours could be told them.
+    if (!epsilons_.empty())
+      network_.metadata["batch_norm_eps"] = fmt::format("{}", fmt::join(epsilons_, ","));
+    if (!activations_.empty())
+      network_.metadata["activations"] = fmt::format("{}", fmt::join(activations_, ","));
+    std::sort(network_.tensors.begin(), network_.tensors.end(),
+              [](const NamedValue& a, const NamedValue& b) { return a.name < b.name; });
+  }
+
+  const PickledObject& object_;
+  std::string place_;
+  WalkBudget& budget_;
+  WholeNetwork network_;
+  std::set<std::string> epsilons_, activations_;
+  std::size_t names_depth_ = kDeepest + 1, stride_depth_ = kDeepest + 1;
+};
+
+}  // namespace
+
+bool is_network(const PickledObject& object, const Value& value) {
+  return value.kind == ValueKind::object &&
+         (object.find(value, "_modules") != nullptr || object.find(value, "_parameters") != nullptr);
+}
+
+WholeNetwork read_whole_network(const PickledObject& object, const Value& network, const std::string& place,
+                                WalkBudget& budget) {
+  return Walk(object, place, budget).run(network);
+}
+
+std::optional<std::string> read_class_list(const PickledObject& object, const Value& value) {
+  constexpr std::size_t kMostNames = 10'000, kLongestClass = 120;
+  const bool is_dict = value.kind == ValueKind::dict;
+  if (!is_dict && value.kind != ValueKind::list && value.kind != ValueKind::tuple) return std::nullopt;
+  const std::size_t step = is_dict ? 2 : 1, count = value.items.size() / step;
+  if (count == 0 || count > kMostNames) return std::nullopt;
+  std::vector<std::string> names(count);
+  bool has_comma = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t index = i;
+    if (is_dict) {
+      const Value& key = object[value.items[2 * i]];
+      if (key.kind != ValueKind::integer || key.number < 0 || static_cast<std::size_t>(key.number) >= count) {
+        return std::nullopt;
+      }
+      index = static_cast<std::size_t>(key.number);
+    }
+    const Value& name = object[value.items[step * i + step - 1]];
+    if (name.kind != ValueKind::text || name.text.empty() || printable(name.text) != name.text ||
+        name.text.size() > kLongestClass) {
+      return std::nullopt;
+    }
+    names[index] = name.text;
+    has_comma |= name.text.find(',') != std::string_view::npos;
+  }
+  if (std::find(names.begin(), names.end(), "") != names.end()) return std::nullopt;  // a key stood twice
+  return fmt::format("{}", fmt::join(names, has_comma ? "\n" : ", "));
+}
+
+}  // namespace penumbra::weights_tools
