@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <iterator>
@@ -28,7 +29,7 @@ constexpr const char* kEvalCocoExamples = R"(Examples:
 The numbers are those of the official COCO evaluation; see docs/coco_evaluation.md.)";
 
 struct EvalCocoOptions {
-  std::string annotations, results, type = "auto";
+  std::string annotations, results, type = "auto", rules = "official";
   std::vector<double> occlusion;  // bounds of ranges
   bool json = false;
 };
@@ -63,10 +64,68 @@ bool any_has_segmentation(const Entries& entries) {
                      [](const auto& entry) { return !entry.segmentation.is_missing(); });
 }
 
+// What the numbers leave out or count in a way that surprises.
+void warn_of_coco_rules(const nn::CocoAnnotations& annotations, const nn::CocoResults& results,
+                        nn::CocoRules rules) {
+  const auto left_out = [](const std::string& file, std::size_t count, const char* what) {
+    if (count > 0) spdlog::warn("{}: {} {} left out, as the official tool does", file, count, what);
+  };
+  left_out(annotations.file, annotations.of_unknown_images, "annotations of images that it does not list");
+  left_out(annotations.file, annotations.of_unknown_categories,
+           "annotations of categories that it does not list");
+  left_out(results.file, results.of_unknown_categories,
+           "results of categories that the annotations do not list");
+  if (rules == nn::CocoRules::sensible) return;
+  const auto with_id_0 =
+      std::count_if(annotations.annotations.begin(), annotations.annotations.end(),
+                    [](const auto& object) { return object.has_id_0 && !object.is_crowd; });
+  if (with_id_0 > 0) {
+    spdlog::warn(
+        "{}: {} annotation has the id 0, and the official tool counts each hit of it as a miss; --rules "
+        "sensible counts it as a hit",
+        annotations.file, with_id_0);
+  }
+  if (results.with_boxes > 0 && results.with_boxes < results.results.size()) {
+    spdlog::warn(
+        "{}: {} of {} results have a bbox; the first has {}, so by the official tool's rule the size of {} "
+        "is that of {} (APs, APm, APl); --rules sensible takes each by what it has",
+        results.file, results.with_boxes, results.results.size(), results.first_has_box ? "one" : "none",
+        results.first_has_box ? "those" : "all", results.first_has_box ? "their boxes" : "their masks");
+  }
+}
+
+struct CocoRegions {
+  bool boxes = true, masks = true;
+};
+
+// For "auto" what both files have; what cannot be compared is said and left out where the other can.
+CocoRegions choose_regions(const std::string& type, const nn::CocoAnnotations& annotations,
+                           const nn::CocoResults& results) {
+  if (type != "auto") return {type != "segm", type != "bbox"};
+  CocoRegions regions;
+  regions.masks = any_has_segmentation(annotations.annotations) && any_has_segmentation(results.results);
+  const auto problem = [&](std::optional<InputError> nn::CocoProblems::*kind) {
+    return annotations.problems.*kind ? annotations.problems.*kind : results.problems.*kind;
+  };
+  const std::optional<InputError> of_boxes = problem(&nn::CocoProblems::boxes),
+                                  of_masks = problem(&nn::CocoProblems::masks);
+  if (regions.masks && of_masks) {
+    spdlog::warn("masks are not compared: {}", of_masks->what());
+    regions.masks = false;
+  }
+  if (regions.masks && of_boxes) {
+    spdlog::warn("boxes are not compared: {}", of_boxes->what());
+    regions.boxes = false;
+  }
+  return regions;
+}
+
 CocoReport evaluate(const EvalCocoOptions& options) {
   const std::vector<nn::OcclusionRange> ranges = occlusion_ranges(options.occlusion);
   const nn::CocoAnnotations annotations = nn::read_coco_annotations(options.annotations);
-  const nn::CocoResults results = nn::read_coco_results(options.results, annotations);
+  const nn::CocoRules rules = options.rules == "sensible" ? nn::CocoRules::sensible : nn::CocoRules::official;
+  const nn::CocoResults results = nn::read_coco_results(options.results, annotations, rules);
+  warn_of_coco_rules(annotations, results, rules);
   CocoReport report;
   report.images = annotations.images.size();
   report.annotations = annotations.annotations.size();
@@ -74,20 +133,20 @@ CocoReport evaluate(const EvalCocoOptions& options) {
       std::count_if(annotations.annotations.begin(), annotations.annotations.end(),
                     [](const nn::CocoAnnotation& annotation) { return annotation.is_crowd; }));
   report.results = results.results.size();
-  const bool masks = options.type == "auto" ? any_has_segmentation(annotations.annotations) &&
-                                                  any_has_segmentation(results.results)
-                                            : options.type != "bbox";
-  const bool boxes = options.type != "segm";
-  if (boxes) report.boxes = nn::evaluate_coco(annotations, results, nn::CocoRegion::boxes);
-  if (masks) report.masks = nn::evaluate_coco(annotations, results, nn::CocoRegion::masks);
+  const auto [boxes, masks] = choose_regions(options.type, annotations, results);
+  const auto numbers = [&](nn::CocoRegion region, const std::optional<nn::OcclusionRange>& range) {
+    return nn::evaluate_coco(annotations, results, region, range, rules);
+  };
+  if (boxes) report.boxes = numbers(nn::CocoRegion::boxes, std::nullopt);
+  if (masks) report.masks = numbers(nn::CocoRegion::masks, std::nullopt);
   for (const nn::OcclusionRange& range : ranges) {
     OcclusionReport& part = report.by_occlusion.emplace_back();
     part.range = range;
     part.objects = static_cast<std::size_t>(std::count_if(
         annotations.annotations.begin(), annotations.annotations.end(),
         [&](const auto& a) { return !a.is_crowd && a.occlusion && range.contains(*a.occlusion); }));
-    if (boxes) part.boxes = nn::evaluate_coco(annotations, results, nn::CocoRegion::boxes, range);
-    if (masks) part.masks = nn::evaluate_coco(annotations, results, nn::CocoRegion::masks, range);
+    if (boxes) part.boxes = numbers(nn::CocoRegion::boxes, range);
+    if (masks) part.masks = numbers(nn::CocoRegion::masks, range);
   }
   return report;
 }
@@ -177,6 +236,12 @@ void add_eval_coco_command(CLI::App& app) {
                    "annotations need \"occlusion\"")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option("--rules", options->rules,
+                   "official: the official tool's number, always; sensible: also where its code counts an "
+                   "object of id 0 as never found, or sizes by the first result's kind")
+      ->check(CLI::IsMember({"official", "sensible"}))
+      ->capture_default_str();
   command->add_flag("--json", options->json,
                     "print JSON instead of a table; null where there is no object of a kind");
   command->callback([options] {

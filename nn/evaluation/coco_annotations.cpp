@@ -16,6 +16,7 @@ namespace {
 using nlohmann::json;
 
 int read_image_side(const JsonFields& fields, const char* key) {
+  if (!fields.has(key)) return 0;
   const std::int64_t side = fields.integer(key);
   if (side < 1 || side > kLargestImageSide) {
     fields.fail(key, fmt::format("1..{} pixels", kLargestImageSide), fmt::format("{}", side));
@@ -28,8 +29,9 @@ bool read_flag(const JsonFields& fields, const char* key) {
   if (!fields.has(key)) return false;
   const json& value = fields.at(key);
   if (value.is_boolean()) return value.get<bool>();
-  if (!value.is_number_integer() || (value != 0 && value != 1)) fields.fail(key, "0 or 1", describe(value));
-  return value == 1;
+  const std::optional<std::int64_t> number = whole_number(value);
+  if (number != 0 && number != 1) fields.fail(key, "0 or 1", describe(value));
+  return number == 1;
 }
 
 CocoImage read_image(const JsonFields& fields) {
@@ -41,33 +43,37 @@ CocoImage read_image(const JsonFields& fields) {
   return image;
 }
 
-CocoAnnotation read_annotation(const JsonFields& fields, const CocoAnnotations& all) {
+void read_annotation(const JsonFields& fields, CocoAnnotations& all) {
   CocoAnnotation annotation;
-  const CocoImageId image_id = read_image_id(fields, "image_id");
-  const auto image = all.image_of_id.find(image_id);
+  annotation.has_id_0 = fields.integer("id") == 0;
+  const auto image = all.image_of_id.find(read_image_id(fields, "image_id"));
+  const auto category = all.category_of_id.find(fields.integer("category_id"));
   if (image == all.image_of_id.end()) {
-    fields.fail("image_id", "the id of one of the images", to_string(image_id));
+    ++all.of_unknown_images;
+    return;
+  }
+  if (category == all.category_of_id.end()) {
+    ++all.of_unknown_categories;
+    return;
   }
   annotation.image = image->second;
-  const std::int64_t category_id = fields.integer("category_id");
-  const auto category = all.category_of_id.find(category_id);
-  if (category == all.category_of_id.end()) {
-    fields.fail("category_id", "the id of one of the categories", fmt::format("{}", category_id));
-  }
   annotation.category = category->second;
-  annotation.box = read_coco_box(fields, "bbox");
+  if (has_coco_box(fields, "bbox")) {
+    annotation.box = read_coco_box(fields, "bbox");
+  } else if (!all.problems.boxes) {
+    all.problems.boxes = InputError(fields.place("bbox"), "a box, as boxes are to be evaluated", "none");
+  }
   annotation.area = fields.number("area");
   if (annotation.area < 0.0) fields.fail("area", "a number >= 0", fmt::format("{}", annotation.area));
   annotation.is_crowd = read_flag(fields, "iscrowd");
-  annotation.segmentation = read_segmentation(fields);
+  annotation.segmentation = read_coco_mask(fields, all.images[annotation.image], all.problems.masks);
   if (fields.has("occlusion")) {
     annotation.occlusion = fields.number("occlusion");
     if (*annotation.occlusion < 0.0 || *annotation.occlusion > 1.0) {
       fields.fail("occlusion", "a number in 0..1", fmt::format("{}", *annotation.occlusion));
     }
   }
-  check_mask_size(fields, annotation.segmentation, all.images[annotation.image]);
-  return annotation;
+  all.annotations.push_back(std::move(annotation));
 }
 
 }  // namespace
@@ -80,7 +86,7 @@ std::string to_string(const CocoImageId& id) {
 CocoImageId read_image_id(const JsonFields& fields, const char* key) {
   const json& value = fields.at(key);
   if (value.is_string()) return value.get<std::string>();
-  if (!value.is_number_integer()) fields.fail(key, "a whole number or a text", describe(value));
+  if (!whole_number(value)) fields.fail(key, "a whole number or a text", describe(value));
   return fields.integer(key);
 }
 
@@ -101,12 +107,33 @@ CocoBox read_coco_box(const JsonFields& fields, const char* key) {
   return box;
 }
 
-void check_mask_size(const JsonFields& fields, const CocoSegmentation& segmentation, const CocoImage& image) {
-  const RunMask& mask = segmentation.mask;
-  if (mask.width == 0 || (mask.width == image.width && mask.height == image.height)) return;
-  fields.fail("segmentation, size",
-              fmt::format("that of image {}, [{}, {}]", to_string(image.id), image.height, image.width),
-              fmt::format("[{}, {}]", mask.height, mask.width));
+bool has_coco_box(const JsonFields& fields, const char* key) {
+  return fields.has(key) && !(fields.at(key).is_array() && fields.at(key).empty());
+}
+
+CocoSegmentation read_coco_mask(const JsonFields& fields, const CocoImage& image,
+                                std::optional<InputError>& problem) {
+  constexpr const char* kKey = "segmentation";
+  try {
+    CocoSegmentation segmentation = read_segmentation(fields);
+    if (segmentation.is_missing()) fields.fail(kKey, "a segmentation, as masks are to be evaluated", "none");
+    if (image.width == 0 || image.height == 0) {
+      fields.fail(
+          kKey,
+          fmt::format("width and height of image {}, as masks are to be evaluated", to_string(image.id)),
+          "none");
+    }
+    const RunMask& mask = segmentation.mask;
+    if (mask.width != 0 && (mask.width != image.width || mask.height != image.height)) {
+      fields.fail("segmentation, size",
+                  fmt::format("that of image {}, [{}, {}]", to_string(image.id), image.height, image.width),
+                  fmt::format("[{}, {}]", mask.height, mask.width));
+    }
+    return segmentation;
+  } catch (const InputError& error) {
+    if (!problem) problem = error;
+    return {};
+  }
 }
 
 CocoAnnotations read_coco_images(const std::filesystem::path& path) {
@@ -139,7 +166,7 @@ CocoAnnotations read_coco_annotations(const std::filesystem::path& path) {
     const JsonFields fields(entry);
     const std::int64_t id = fields.integer("id");
     if (!ids.insert(id).second) fields.fail("id", "an id of its own", fmt::format("{} a second time", id));
-    all.annotations.push_back(read_annotation(fields, all));
+    read_annotation(fields, all);
   });
   return all;
 }

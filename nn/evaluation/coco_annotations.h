@@ -1,12 +1,13 @@
 // The ground truth of a COCO data set: instances_*.json.
 //
-//   {"images":      [{"id", "width", "height", "file_name"?}, ...],
+//   {"images":      [{"id", "width"?, "height"?, "file_name"?}, ...],
 //    "categories":  [{"id", "name"?}, ...],
-//    "annotations": [{"id", "image_id", "category_id", "bbox": [x, y, width, height], "area",
+//    "annotations": [{"id", "image_id", "category_id", "bbox"?: [x, y, width, height], "area",
 //                     "iscrowd"?, "segmentation"?, "occlusion"?}, ...]}
 //
-// Other keys are skipped. "occlusion" is Penumbra's own: the share of the object that something hides, 0..1.
-// Format: the COCO data set, "Object Detection".
+// Boxes are needed where boxes are evaluated; segmentations and sizes where masks are. Other keys are
+// skipped. "occlusion" is Penumbra's own: the share of the object that something hides, 0..1. Format: the
+// COCO data set, "Object Detection".
 #pragma once
 
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "nn/base/error.h"
 #include "nn/evaluation/coco_segmentation.h"
 #include "nn/evaluation/run_mask.h"
 
@@ -27,7 +29,7 @@ using CocoImageId = std::variant<std::int64_t, std::string>;
 
 struct CocoImage {
   CocoImageId id;
-  int width = 0, height = 0;  // pixels
+  int width = 0, height = 0;  // pixels; 0 where the file does not say
   std::string file_name;      // may be empty
 };
 
@@ -43,6 +45,12 @@ struct CocoAnnotation {
   bool is_crowd = false;  // a region of objects that are not told apart
   CocoSegmentation segmentation;
   std::optional<double> occlusion;  // hidden share
+  bool has_id_0 = false;            // which the COCO API takes for "not found"
+};
+
+// What is wrong with the first entry whose box or mask could not be read: an error where those are evaluated.
+struct CocoProblems {
+  std::optional<InputError> boxes, masks;
 };
 
 struct CocoAnnotations {
@@ -50,6 +58,9 @@ struct CocoAnnotations {
   std::vector<CocoImage> images;
   std::vector<CocoCategory> categories;
   std::vector<CocoAnnotation> annotations;  // in the order of the file
+  CocoProblems problems;
+  // Annotations of images and categories that the file does not list; the COCO API passes over them, too.
+  std::size_t of_unknown_images = 0, of_unknown_categories = 0;
   std::unordered_map<CocoImageId, std::size_t> image_of_id;
   std::unordered_map<std::int64_t, std::size_t> category_of_id;
 };
@@ -59,15 +70,19 @@ struct CocoAnnotations {
 CocoAnnotations read_coco_images(const std::filesystem::path& path);
 
 // Throws InputError, naming file, entry, key, what was expected and what was found, for everything that is
-// missing, of another type, not finite or negative where that has no meaning, for ids that stand twice or
-// name nothing, and for masks of another size than their image. Time and memory: linear in the file.
+// missing, of another type, not finite or negative where that has no meaning, and for ids that stand twice;
+// for missing boxes and faulty masks only once they are evaluated (CocoProblems). Time and memory: linear in
+// the file.
 CocoAnnotations read_coco_annotations(const std::filesystem::path& path);
 
 // What the readers of annotations and of results share.
 CocoImageId read_image_id(const JsonFields& fields, const char* key);
+bool has_coco_box(const JsonFields& fields, const char* key);  // present, not null and not []
 CocoBox read_coco_box(const JsonFields& fields, const char* key);
-// Throws unless a run-length mask has the image's size.
-void check_mask_size(const JsonFields& fields, const CocoSegmentation& segmentation, const CocoImage& image);
+// The segmentation of an object on `image`; what is wrong with it, or with the image's size, goes to
+// `problem` where that is empty, and none is returned.
+CocoSegmentation read_coco_mask(const JsonFields& fields, const CocoImage& image,
+                                std::optional<InputError>& problem);
 std::string to_string(const CocoImageId& id);  // as text for messages
 
 }  // namespace penumbra::nn

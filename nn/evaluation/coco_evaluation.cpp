@@ -95,8 +95,8 @@ struct Group {
 class Evaluation {
  public:
   Evaluation(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region,
-             const std::optional<OcclusionRange>& occlusion)
-      : annotations_(annotations), results_(results), region_(region), occlusion_(occlusion) {}
+             const std::optional<OcclusionRange>& occlusion, CocoRules rules)
+      : annotations_(annotations), results_(results), region_(region), occlusion_(occlusion), rules_(rules) {}
 
   CocoNumbers run() {
     const std::vector<Group> groups = make_groups();
@@ -200,7 +200,8 @@ class Evaluation {
       for (const std::size_t o : group->objects) {
         const CocoAnnotation& object = annotations_.annotations[o];
         const bool set_aside = occlusion_ && !occlusion_->contains(object.occlusion.value_or(0.0));
-        ground_truths.push_back({object.area, object.is_crowd, set_aside});
+        const bool never_matched = object.has_id_0 && rules_ == CocoRules::official;
+        ground_truths.push_back({object.area, object.is_crowd, set_aside, never_matched});
       }
       for (const std::size_t d : group->detections) areas.push_back(results_.results[d].area);
       const std::vector<double> ious = overlaps(*group);
@@ -238,16 +239,13 @@ class Evaluation {
   const CocoResults& results_;
   CocoRegion region_;
   std::optional<OcclusionRange> occlusion_;
+  CocoRules rules_;
   std::array<Mean, kCocoNumberNames.size()> means_;  // in the order of kCocoNumberNames
 };
 
-// The first entry of a list without segmentation, as an error.
-template <class Entries>
-void require_segmentations(const Entries& entries, const std::string& place) {
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (!entries[i].segmentation.is_missing()) continue;
-    throw InputError(fmt::format("{} {}", place, i), "a segmentation, as masks are to be evaluated", "none");
-  }
+void require_regions(const CocoProblems& problems, CocoRegion region) {
+  const std::optional<InputError>& problem = region == CocoRegion::masks ? problems.masks : problems.boxes;
+  if (problem) throw *problem;
 }
 
 void require_occlusions(const CocoAnnotations& annotations) {
@@ -268,13 +266,11 @@ double CocoNumbers::operator[](std::string_view name) const {
 }
 
 CocoNumbers evaluate_coco(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region,
-                          const std::optional<OcclusionRange>& occlusion) {
-  if (region == CocoRegion::masks) {
-    require_segmentations(annotations.annotations, annotations.file + ": annotations, entry");
-    require_segmentations(results.results, results.file + ": entry");
-  }
+                          const std::optional<OcclusionRange>& occlusion, CocoRules rules) {
+  require_regions(annotations.problems, region);
+  require_regions(results.problems, region);
   if (occlusion) require_occlusions(annotations);
-  return Evaluation(annotations, results, region, occlusion).run();
+  return Evaluation(annotations, results, region, occlusion, rules).run();
 }
 
 }  // namespace penumbra::nn

@@ -47,12 +47,14 @@ struct OcclusionRange {
 };
 
 // Evaluates `results` on all images and categories of `annotations`, with which they were read.
-// For masks, throws InputError that names the file and the first entry without segmentation.
-// With `occlusion`, only objects whose hidden share lies in the range count; the others are ignored, as COCO
-// ignores objects outside a range of areas: finding them is neither a hit nor a mistake. Detections that meet
-// no object count as mistakes in every range. Throws InputError for an object without "occlusion".
-// Cost: for every image and category detections x objects (at most 100 detections), and sorting.
+// Throws InputError that names the file and the first entry whose box or mask is missing or faulty, of the
+// kind that is compared. With `occlusion`, only objects whose hidden share lies in the range count; the
+// others are ignored, as COCO ignores objects outside a range of areas: finding them is neither a hit nor a
+// mistake. Detections that meet no object count as mistakes in every range. Throws InputError for an object
+// without "occlusion". Cost: for every image and category detections x objects (at most 100 detections), and
+// sorting.
 CocoNumbers evaluate_coco(const CocoAnnotations& annotations, const CocoResults& results, CocoRegion region,
-                          const std::optional<OcclusionRange>& occlusion = std::nullopt);
+                          const std::optional<OcclusionRange>& occlusion = std::nullopt,
+                          CocoRules rules = CocoRules::official);
 
 }  // namespace penumbra::nn

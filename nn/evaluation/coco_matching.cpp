@@ -55,9 +55,9 @@ std::vector<MatchOutcome> match_detections(std::span<const double> ious,
       const bool counts = best != kNone;
       if (!counts) std::for_each(first_ignored, order.end(), look_at);
       if (best != kNone) taken[best] = 1;
-      if (counts) {
+      if (counts && !ground_truths[best].never_matched) {
         outcomes[d].matched |= bit;
-      } else if (best != kNone || !range.contains(detection_areas[d])) {
+      } else if ((best != kNone && !counts) || !range.contains(detection_areas[d])) {
         outcomes[d].ignored |= bit;
       }
     }

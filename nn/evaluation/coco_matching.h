@@ -34,6 +34,7 @@ struct GroundTruth {
   double area = 0.0;
   bool is_crowd = false;
   bool set_aside = false;
+  bool never_matched = false;  // taken like the others, but who takes it is no true positive
 };
 
 // Bit t of the sets stands for threshold t.

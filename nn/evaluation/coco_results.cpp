@@ -4,6 +4,8 @@
 
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "nn/base/error.h"
 #include "nn/io/coco_rle.h"
@@ -18,7 +20,8 @@ std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-CocoResult read_result(const JsonFields& fields, const CocoAnnotations& annotations) {
+void read_result(const JsonFields& fields, const CocoAnnotations& annotations, CocoRules rules,
+                 CocoResults& all) {
   CocoResult result;
   const CocoImageId image_id = read_image_id(fields, "image_id");
   const auto image = annotations.image_of_id.find(image_id);
@@ -26,38 +29,44 @@ CocoResult read_result(const JsonFields& fields, const CocoAnnotations& annotati
     fields.fail("image_id", "the id of an image in " + annotations.file, to_string(image_id));
   }
   result.image = image->second;
-  const std::int64_t category_id = fields.integer("category_id");
-  const auto category = annotations.category_of_id.find(category_id);
-  if (category == annotations.category_of_id.end()) {
-    fields.fail("category_id", "the id of a category in " + annotations.file, fmt::format("{}", category_id));
-  }
-  result.category = category->second;
   result.score = fields.number("score");
 
   const CocoImage& size = annotations.images[result.image];
-  result.segmentation = read_segmentation(fields);
-  check_mask_size(fields, result.segmentation, size);
-  if (fields.has("bbox")) {
-    result.box = read_coco_box(fields, "bbox");
-    result.area = result.box.area();
-  } else if (!result.segmentation.is_missing()) {
+  std::optional<InputError> problem;
+  result.segmentation = read_coco_mask(fields, size, problem);
+  const bool has_box = has_coco_box(fields, "bbox"), has_mask = !problem;
+  if (all.results.empty() && all.of_unknown_categories == 0) all.first_has_box = has_box;
+  if (has_box) result.box = read_coco_box(fields, "bbox");
+  if (!has_box && !fields.has("segmentation")) fields.fail("bbox", "a box or a segmentation", "neither");
+  // Without a box the mask is all that there is.
+  if (!has_box && problem) throw *problem;
+  const bool box_gives_area = has_box && (rules == CocoRules::sensible || all.first_has_box || !has_mask);
+  if (!has_box || !box_gives_area) {
     const RunMask mask = to_mask(result.segmentation, size.width, size.height);
-    result.box = bounding_box(mask);
+    if (!has_box) result.box = bounding_box(mask);
     result.area = static_cast<double>(area(mask));
-  } else {
-    fields.fail("bbox", "a box or a segmentation", "neither");
   }
-  return result;
+  if (box_gives_area) result.area = result.box.area();
+
+  const auto category = annotations.category_of_id.find(fields.integer("category_id"));
+  if (category == annotations.category_of_id.end()) {
+    ++all.of_unknown_categories;
+    return;
+  }
+  result.category = category->second;
+  if (has_box) ++all.with_boxes;
+  if (problem && !all.problems.masks) all.problems.masks = std::move(problem);
+  all.results.push_back(std::move(result));
 }
 
 }  // namespace
 
-CocoResults read_coco_results(const std::filesystem::path& path, const CocoAnnotations& annotations) {
+CocoResults read_coco_results(const std::filesystem::path& path, const CocoAnnotations& annotations,
+                              CocoRules rules) {
   CocoResults all;
   all.file = path.string();
-  for_each_json_entry(path, {}, [&](const JsonEntry& entry) {
-    all.results.push_back(read_result(JsonFields(entry), annotations));
-  });
+  for_each_json_entry(
+      path, {}, [&](const JsonEntry& entry) { read_result(JsonFields(entry), annotations, rules, all); });
   return all;
 }
 

@@ -2,7 +2,7 @@
 //
 //   [{"image_id", "category_id", "score", "bbox": [x, y, width, height]?, "segmentation"?}, ...]
 //
-// An entry has a box, a segmentation or both. Format: the COCO data set, "Results Format".
+// An entry has a box (not []), a segmentation or both. Format: the COCO data set, "Results Format".
 #pragma once
 
 #include <cstdint>
@@ -19,21 +19,35 @@ namespace penumbra::nn {
 struct CocoResult {
   std::size_t image = 0, category = 0;  // indices into the lists of the annotations
   double score = 0.0;
-  CocoBox box;  // of the segmentation where the entry has none
-  // Pixels, decides about small, medium and large: of the box where the entry has one, of the segmentation
-  // otherwise. (The COCO API's rule, for masks too.)
-  double area = 0.0;
+  CocoBox box;        // of the segmentation where the entry has none
+  double area = 0.0;  // pixels, decides about small, medium and large; see CocoRules
   CocoSegmentation segmentation;
+};
+
+// Where the COCO API's numbers are not what its description says.
+enum class CocoRules {
+  // The API's numbers. The first entry of the results decides for all whether boxes or masks give the area
+  // (for
+  // masks too), and an object with the id 0 is never found.
+  official,
+  // Each entry's own box, or else its mask, gives its area; an id is a name.
+  sensible
 };
 
 struct CocoResults {
   std::string file;
   std::vector<CocoResult> results;  // in the order of the file
+  CocoProblems problems;
+  std::size_t of_unknown_categories = 0;  // left out
+  std::size_t with_boxes = 0;             // entries that have a box
+  bool first_has_box = false;
 };
 
-// Results for images and categories of `annotations`. Throws InputError as read_coco_annotations does; an
-// image or category that the annotations do not have is one too. Time and memory: linear in the file.
-CocoResults read_coco_results(const std::filesystem::path& path, const CocoAnnotations& annotations);
+// Results for images and categories of `annotations`; those of categories that it does not have are left out,
+// as the API passes over them. Throws InputError as read_coco_annotations does; an image that the annotations
+// do not have is one too. Time and memory: linear in the file.
+CocoResults read_coco_results(const std::filesystem::path& path, const CocoAnnotations& annotations,
+                              CocoRules rules = CocoRules::official);
 
 // Collects detections and writes them as a results file, one entry a line.
 class CocoResultsWriter {

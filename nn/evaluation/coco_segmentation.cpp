@@ -24,8 +24,9 @@ std::vector<double> read_polygon(const JsonFields& fields, const json& list, std
     fields.fail(fmt::format("{}, polygon {}", kKey, part).c_str(), expected, found);
   };
   if (!list.is_array()) fail("a list of numbers x0, y0, x1, y1, ...", describe(list));
-  if (list.size() < 6 || list.size() % 2 != 0) {
-    fail("an even count of 6 or more numbers", fmt::format("{}", list.size()));
+  const std::size_t fewest = part == 0 ? 6 : 4;
+  if (list.size() < fewest || list.size() % 2 != 0) {
+    fail(fmt::format("an even count of {} or more numbers", fewest), fmt::format("{}", list.size()));
   }
   std::vector<double> xy;
   xy.reserve(list.size());
@@ -40,11 +41,12 @@ std::vector<double> read_polygon(const JsonFields& fields, const json& list, std
 }
 
 int read_side(const JsonFields& fields, const json& side) {
-  if (!side.is_number_integer() || side < 1 || side > kLargestImageSide) {
+  const std::optional<std::int64_t> number = whole_number(side);
+  if (!number || *number < 1 || *number > kLargestImageSide) {
     fields.fail("segmentation, size", fmt::format("whole numbers of 1..{}", kLargestImageSide),
                 describe(side));
   }
-  return side.get<int>();
+  return static_cast<int>(*number);
 }
 
 std::vector<std::uint32_t> read_counts(const JsonFields& fields, const json& counts, std::uint64_t pixels) {
@@ -60,10 +62,11 @@ std::vector<std::uint32_t> read_counts(const JsonFields& fields, const json& cou
   std::vector<std::uint32_t> runs;
   runs.reserve(counts.size());
   for (const json& run : counts) {
-    if (!run.is_number_unsigned() || run.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
+    const std::optional<std::int64_t> number = whole_number(run);
+    if (!number || *number < 0 || *number > std::numeric_limits<std::uint32_t>::max()) {
       fields.fail(kPlace, "whole numbers >= 0 and below 2^32", describe(run));
     }
-    runs.push_back(run.get<std::uint32_t>());
+    runs.push_back(static_cast<std::uint32_t>(*number));
   }
   return runs;
 }

@@ -24,9 +24,11 @@ struct CocoSegmentation {
   bool is_missing() const { return polygons.empty() && mask.width == 0; }
 };
 
-// Reads the entry's key "segmentation". Throws InputError where it is none of the three forms: polygons of
-// fewer than three points, an odd count of numbers or coordinates beyond kLargestCoordinate, sizes out
-// of 1..kLargestImageSide, counts that do not add up to height * width.
+// Reads the entry's key "segmentation". Behind the first polygon, one of two points is taken as well and
+// covers next to nothing; as the first it is refused, since the COCO API takes it for a box and fails. Throws
+// InputError where it is none of the three forms: polygons of fewer than two or three points, an odd count of
+// numbers or coordinates beyond kLargestCoordinate, sizes out of 1..kLargestImageSide, counts that do not add
+// up to height * width.
 CocoSegmentation read_segmentation(const JsonFields& fields);
 
 // The mask on an image of this size; polygons are drawn, a mask is returned as it is.

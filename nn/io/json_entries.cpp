@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -201,12 +202,10 @@ const json& JsonFields::at(const char* key) const {
 
 std::int64_t JsonFields::integer(const char* key) const {
   const json& value = at(key);
-  if (!value.is_number_integer()) fail(key, "a whole number", describe(value));
-  if (value.is_number_unsigned() &&
-      value.get<std::uint64_t>() > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-    fail(key, "a whole number below 2^63", describe(value));
-  }
-  return value.get<std::int64_t>();
+  const std::optional<std::int64_t> number = whole_number(value);
+  if (!number)
+    fail(key, value.is_number_unsigned() ? "a whole number below 2^63" : "a whole number", describe(value));
+  return *number;
 }
 
 double JsonFields::number(const char* key) const {
@@ -222,7 +221,25 @@ std::string JsonFields::text(const char* key) const {
 }
 
 void JsonFields::fail(const char* key, std::string_view expected, std::string_view found) const {
-  throw InputError(fmt::format("{}, {}", entry_.place(), key), expected, found);
+  throw InputError(place(key), expected, found);
+}
+
+std::string JsonFields::place(const char* key) const { return fmt::format("{}, {}", entry_.place(), key); }
+
+std::optional<std::int64_t> whole_number(const json& value) {
+  constexpr double kLargestExact = 0x1p53;
+  if (value.is_number_float()) {
+    const auto number = value.get<double>();
+    if (number != std::floor(number) || std::abs(number) > kLargestExact) return std::nullopt;
+    return static_cast<std::int64_t>(number);
+  }
+  if (value.is_number_unsigned()) {
+    const auto number = value.get<std::uint64_t>();
+    if (number > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) return std::nullopt;
+    return static_cast<std::int64_t>(number);
+  }
+  if (value.is_number_integer()) return value.get<std::int64_t>();
+  return std::nullopt;
 }
 
 std::string describe(const json& value) {

@@ -6,9 +6,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,15 +47,20 @@ class JsonFields {
   bool has(const char* key) const;
   // The value; throws where the key is missing.
   const nlohmann::json& at(const char* key) const;
-  std::int64_t integer(const char* key) const;  // within 64 bits
-  double number(const char* key) const;         // finite
+  // Within 64 bits. Writers in languages with one kind of number write 3 as 3.0: it is taken.
+  std::int64_t integer(const char* key) const;
+  double number(const char* key) const;  // finite
   std::string text(const char* key) const;
 
+  std::string place(const char* key) const;  // "FILE: SECTION, entry 17, KEY"
   [[noreturn]] void fail(const char* key, std::string_view expected, std::string_view found) const;
 
  private:
   const JsonEntry& entry_;
 };
+
+// The whole number that a JSON number is, 3 or 3.0; none for any other value.
+std::optional<std::int64_t> whole_number(const nlohmann::json& value);
 
 // A JSON value in words, for "found ...": "the number 3.5", "a list of 2", "\"text\"".
 std::string describe(const nlohmann::json& value);

@@ -54,10 +54,12 @@ class CocoFiles {
     std::ofstream(results_path()) << results;
   }
   nn::CocoNumbers evaluate(nn::CocoRegion region = nn::CocoRegion::boxes,
-                           const std::optional<nn::OcclusionRange>& occlusion = std::nullopt) const {
+                           const std::optional<nn::OcclusionRange>& occlusion = std::nullopt,
+                           nn::CocoRules rules = nn::CocoRules::official) const {
     write();
     const nn::CocoAnnotations truth = nn::read_coco_annotations(annotations_path());
-    return nn::evaluate_coco(truth, nn::read_coco_results(results_path(), truth), region, occlusion);
+    return nn::evaluate_coco(truth, nn::read_coco_results(results_path(), truth, rules), region, occlusion,
+                             rules);
   }
 
   TemporaryDirectory folder;

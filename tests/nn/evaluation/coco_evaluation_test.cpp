@@ -218,7 +218,79 @@ TEST(CocoEvaluation, MasksWithoutSegmentationAreAnErrorThatNamesTheEntry) {
   files.results[1].erase("segmentation");
   EXPECT_NO_THROW(files.evaluate());
   expect_error<InputError>([&] { files.evaluate(CocoRegion::masks); },
-                           {"results.json: entry 1: expected a segmentation"});
+                           {"results.json: entry 1, segmentation: expected a segmentation"});
+}
+
+// Numbers of pycocotools 2.0.
+TEST(CocoEvaluation, AnObjectOfId0IsNeverFoundByTheOfficialRules) {
+  CocoFiles files;
+  files.add_object({10, 10, 40, 40});
+  files.add_object({100, 100, 40, 40});
+  files.add_result({10, 10, 40, 40}, 0.9);
+  files.add_result({100, 100, 40, 40}, 0.8);
+  files.annotations["annotations"][0]["id"] = 0;
+  const double half = 0.5 * 51.0 / 101.0;  // recall stays at 0.5, and precision there is 1/2
+  EXPECT_NEAR(files.evaluate()["AP"], half, 1e-12);
+  EXPECT_NEAR(files.evaluate()["AR100"], 0.5, 1e-12);
+  EXPECT_EQ(files.evaluate(CocoRegion::boxes, std::nullopt, nn::CocoRules::sensible)["AP"], 1.0);
+}
+
+TEST(CocoEvaluation, TheFirstResultDecidesByTheOfficialRulesWhatGivesTheArea) {
+  // The mask is small, the box large: a detection that finds nothing counts in the size of its area.
+  CocoFiles files;
+  files.add_object({10, 10, 10, 10});
+  for (int i = 0; i < 2; ++i) files.add_result({10, 10, 10, 10}, 0.5);
+  files.results[0].erase("bbox");
+  files.results[1] = {{"image_id", 1},
+                      {"category_id", 1},
+                      {"score", 0.9},
+                      {"bbox", {200, 100, 50, 50}},
+                      {"segmentation", CocoFiles::polygon({200, 100, 20, 20})}};
+  EXPECT_NEAR(files.evaluate()["APs"], 0.5, 1e-12);
+  EXPECT_NEAR(files.evaluate(CocoRegion::boxes, std::nullopt, nn::CocoRules::sensible)["APs"], 1.0, 1e-12);
+}
+
+TEST(CocoEvaluation, WhatIsNotComparedMayBeMissingOrFaulty) {
+  CocoFiles files;
+  files.add_object({10, 10, 40, 40});
+  files.add_result({10, 10, 40, 40}, 0.9);
+  const nlohmann::json annotations = files.annotations;
+  files.annotations["annotations"][0]["segmentation"] = {10, 10, 50, 10, 50, 50};
+  files.annotations["images"][0].erase("width");
+  EXPECT_EQ(files.evaluate()["AP"], 1.0);
+  EXPECT_THROW(files.evaluate(CocoRegion::masks), InputError);
+  files.annotations = annotations;
+  files.annotations["annotations"][0].erase("bbox");
+  EXPECT_EQ(files.evaluate(CocoRegion::masks)["AP"], 1.0);
+  expect_error<InputError>([&] { files.evaluate(); }, {"annotations, entry 0, bbox"});
+}
+
+TEST(CocoEvaluation, FloatsAndIdsThatAreNotListedAreTakenAsTheOfficialToolDoes) {
+  CocoFiles files;
+  files.add_object({10, 10, 40, 40});
+  files.add_object({10, 10, 40, 40}, 99);
+  files.add_object({10, 10, 40, 40}, 1, 77);
+  files.add_result({10, 10, 40, 40}, 0.9);
+  files.add_result({10, 10, 40, 40}, 0.95, 1, 77);
+  files.annotations["images"][0]["width"] = 400.0;
+  files.annotations["annotations"][0]["image_id"] = 1.0;
+  files.annotations["annotations"][0]["iscrowd"] = 0.0;
+  files.results[0]["category_id"] = 1.0;
+  EXPECT_EQ(files.evaluate()["AP"], 1.0);
+  const nn::CocoAnnotations truth = nn::read_coco_annotations(files.annotations_path());
+  EXPECT_EQ(truth.of_unknown_images, 1U);
+  EXPECT_EQ(truth.of_unknown_categories, 1U);
+  EXPECT_EQ(nn::read_coco_results(files.results_path(), truth).of_unknown_categories, 1U);
+}
+
+TEST(CocoEvaluation, APolygonOfTwoPointsIsAPartAndNotTheWhole) {
+  CocoFiles files;
+  files.add_object({10, 10, 40, 40});
+  files.add_result({10, 10, 40, 40}, 0.9);
+  files.annotations["annotations"][0]["segmentation"].push_back({60, 60, 70, 70});
+  EXPECT_EQ(files.evaluate(CocoRegion::masks)["AP"], 1.0);
+  files.annotations["annotations"][0]["segmentation"] = {{60, 60, 70, 70}};
+  EXPECT_THROW(files.evaluate(CocoRegion::masks), InputError);
 }
 
 TEST(CocoEvaluation, AgreesWithTheOfficialEvaluationOnRealData) {
