@@ -38,7 +38,7 @@ void calibrate(const CalibrateOptions& options) {
   const std::unique_ptr<nn::InstanceSegmenter> network = nn::make_network(weights, config);
   nn::Arena arena;
   for (const std::string& path : options.images) {
-    network->detect(nn::read_image(path, nn::ImageColour::bgr), arena);
+    network->detect(nn::read_image(path, nn::ImageColour::bgr, nn::ImageOrientation::upright), arena);
     spdlog::info("{}: done", path);
   }
   nn::store_input_ranges(ranges, weights);
@@ -52,8 +52,7 @@ void calibrate(const CalibrateOptions& options) {
 void add_calibrate_command(CLI::App& app) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command = app.add_subcommand("calibrate", "Prepare weights for --precision int8");
-  command->add_option("images", options->images, "PNG or JPEG images of the kind that the network will see")
-      ->required();
+  command->add_option("images", options->images, "images of the kind that the network will see")->required();
   command->add_option("--weights", options->weights, "Mask R-CNN or YOLOv5 weights: safetensors or .pth")
       ->required();
   command->add_option("-o,--output", options->output, "safetensors file to write: the weights and the ranges")

@@ -9,12 +9,12 @@
 
 #include "apps/commands.h"
 #include "apps/compute_options.h"
+#include "apps/image_list.h"
+#include "apps/load_network.h"
 #include "nn/base/error.h"
-#include "nn/io/image_file.h"
 #include "nn/layers/activations.h"
 #include "nn/models/class_names.h"
 #include "nn/models/classifier.h"
-#include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
 
@@ -22,8 +22,9 @@ namespace {
 
 struct ClassifyOptions {
   std::vector<std::string> images;
-  std::string weights, classes;
+  std::string weights, key, classes;
   int top = 5;
+  nn::ImageOrientation orientation = nn::ImageOrientation::upright;
   bool json = false;
 };
 
@@ -43,16 +44,18 @@ std::vector<Guess> best_guesses(std::vector<float> logits, int count) {
 }
 
 void classify(const ClassifyOptions& options) {
-  const nn::StateDict weights = weights_tools::load_weights(options.weights);
+  const nn::StateDict weights = load_noted_weights(options.weights, options.key);
   const nn::Classifier network(weights);
   const std::vector<std::string> names = nn::output_names(weights, network.classes(), options.classes);
   nn::Arena arena;
   nlohmann::json results = nlohmann::json::array();
   std::size_t failed = 0;
-  for (const std::string& path : options.images) {
+  const std::vector<ListedImage> images = list_files(options.images);
+  for (const ListedImage& listed : images) {
+    const std::string path = listed.path.string();
     cv::Mat image;
     try {
-      image = nn::read_image(path, nn::ImageColour::bgr);
+      image = read_listed_image(listed, options.orientation);
     } catch (const Error& error) {  // the other images are still done
       spdlog::error("{}", error.what());
       ++failed;
@@ -76,7 +79,7 @@ void classify(const ClassifyOptions& options) {
   }
   if (options.json) fmt::print("{}\n", results.dump(1));
   if (failed > 0) {
-    throw Error(fmt::format("{} of {} images could not be read", failed, options.images.size()));
+    throw Error(fmt::format("{} of {} images could not be read", failed, images.size()));
   }
 }
 
@@ -85,17 +88,20 @@ void classify(const ClassifyOptions& options) {
 void add_classify_command(CLI::App& app) {
   auto options = std::make_shared<ClassifyOptions>();
   CLI::App* command = app.add_subcommand("classify", "Name what images show with a ResNet");
-  command->add_option("images", options->images, "PNG or JPEG images")->required();
+  command->add_option("images", options->images, "PNG, JPEG, PGM or BMP images, or folders of them")
+      ->required();
   command
       ->add_option("--weights", options->weights,
-                   "ResNet-18, 34, 50, 101 or 152 (torchvision's names): safetensors or .pth")
+                   "ResNet-18, 34, 50, 101 or 152 (torchvision's names): safetensors, .pt or .pth")
       ->required();
+  add_key_option(command, options->key);
   command->add_option("--top", options->top, "classes listed an image")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   command->add_option("--classes", options->classes,
                       "file of class names, one a line (default: the weights' own, or numbers)");
   command->add_flag("--json", options->json, "print JSON: class, name, probability and logit");
+  add_orientation_option(command, options->orientation);
   add_threads_option(command);
   add_isa_option(command);
   command->footer(

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <map>
 #include <set>
 
 #include "nn/base/error.h"
+#include "nn/base/natural_order.h"
 #include "nn/io/image_file.h"
 
 namespace penumbra::apps {
@@ -21,11 +24,47 @@ nn::CocoImageId id_from_name(const std::filesystem::path& path) {
   return stem;
 }
 
+// macOS's and Windows' own files, which wildcards find as well.
+bool is_left_by_a_desktop(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  return name.starts_with("._") || name == ".DS_Store" || name == "Thumbs.db" || name == "desktop.ini";
+}
+
+bool has_image_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  constexpr std::array kEndings = {".png", ".jpg", ".jpeg", ".jpe", ".pgm", ".ppm", ".pnm", ".bmp"};
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (has_image_ending(entry.path()) && !is_left_by_a_desktop(entry.path())) files.push_back(entry.path());
+  }
+  if (files.empty())
+    throw InputError(folder.string(), "a folder with PNG, JPEG, PGM or BMP images", "none in it");
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
 }  // namespace
 
 std::vector<ListedImage> list_files(const std::vector<std::string>& paths) {
   std::vector<ListedImage> images;
-  for (const std::string& path : paths) images.push_back({path, id_from_name(path), std::nullopt});
+  const auto add = [&](const std::filesystem::path& path) {
+    images.push_back({path, id_from_name(path), std::nullopt});
+  };
+  for (const std::string& path : paths) {
+    if (std::filesystem::is_directory(path)) {
+      for (const std::filesystem::path& file : images_in(path)) add(file);
+    } else if (!is_left_by_a_desktop(path)) {
+      add(path);
+    }
+  }
   return images;
 }
 
@@ -37,13 +76,19 @@ std::vector<ListedImage> list_coco_images(const std::filesystem::path& folder,
     if (image.file_name.empty()) {
       throw InputError(fmt::format("{}: images, entry {}", data_set.file, i), "a file_name", "none");
     }
-    images.push_back({folder / image.file_name, image.id, cv::Size(image.width, image.height)});
+    std::optional<cv::Size> size;
+    if (image.width > 0 && image.height > 0) size = cv::Size(image.width, image.height);
+    images.push_back({folder / image.file_name, image.id, size});
   }
   return images;
 }
 
-cv::Mat read_listed_image(const ListedImage& listed) {
-  const cv::Mat image = nn::read_image(listed.path, nn::ImageColour::bgr);
+cv::Mat read_listed_image(const ListedImage& listed, nn::ImageOrientation orientation) {
+  cv::Mat image = nn::read_image(listed.path, nn::ImageColour::bgr, orientation);
+  // The annotations of some data sets were made on the rows as they lie in the file.
+  if (listed.size && image.size() != *listed.size && cv::Size(image.rows, image.cols) == *listed.size) {
+    image = nn::read_image(listed.path, nn::ImageColour::bgr, nn::ImageOrientation::sensor);
+  }
   if (listed.size && image.size() != *listed.size) {
     throw InputError(
         listed.path.string(),
@@ -51,6 +96,12 @@ cv::Mat read_listed_image(const ListedImage& listed) {
         fmt::format("{} x {}", image.cols, image.rows));
   }
   return image;
+}
+
+void add_orientation_option(CLI::App* command, nn::ImageOrientation& orientation) {
+  command->add_flag_callback(
+      "--ignore-exif", [&] { orientation = nn::ImageOrientation::sensor; },
+      "take photographs as their rows lie in the file, not turned upright as their EXIF data say");
 }
 
 std::filesystem::path picture_name(const ListedImage& image) {

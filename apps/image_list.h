@@ -1,6 +1,7 @@
 // Which images a command goes through: files named one by one, or those of a COCO data set.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "nn/evaluation/coco_annotations.h"
+#include "nn/io/image_file.h"
 
 namespace penumbra::apps {
 
@@ -18,7 +20,10 @@ struct ListedImage {
   std::optional<cv::Size> size;  // that it must have
 };
 
-// Files with ids from their names: digits only are taken as a number, any other name stays a text.
+// Files, and the images in folders (by their endings, in the order of the numbers in their names), with ids
+// from their names: digits only are taken as a number, any other name stays a text. What macOS and Windows
+// leave beside images (._NAME, .DS_Store, Thumbs.db) is passed over. Throws InputError for a folder without
+// images.
 std::vector<ListedImage> list_files(const std::vector<std::string>& paths);
 
 // The images of a data set, in the order of its file; their file names are looked up in `folder`.
@@ -26,8 +31,12 @@ std::vector<ListedImage> list_files(const std::vector<std::string>& paths);
 std::vector<ListedImage> list_coco_images(const std::filesystem::path& folder,
                                           const nn::CocoAnnotations& data_set);
 
-// Reads the image as 8-bit BGR; throws InputError where it is not readable or of another size than expected.
-cv::Mat read_listed_image(const ListedImage& image);
+// Reads the image as 8-bit BGR, turned upright as its EXIF data say unless `orientation` or the expected size
+// ask for the sensor's rows. Throws InputError where it is not readable or of another size than expected.
+cv::Mat read_listed_image(const ListedImage& image, nn::ImageOrientation orientation);
+
+// Adds --ignore-exif, which sets `orientation`.
+void add_orientation_option(CLI::App* command, nn::ImageOrientation& orientation);
 
 // "NAME_overlay.png" for an image "some/where/NAME.jpg".
 std::filesystem::path picture_name(const ListedImage& image);

@@ -39,10 +39,11 @@ with --pictures). `penumbra eval-coco` evaluates the results of a set.)";
 struct SegmentOptions {
   std::vector<std::string> images;
   std::string coco_images, annotations;
-  std::string weights, out, classes;
+  std::string weights, key, out, classes;
   float show_above = 0.5F;
   bool pictures = false, json = false;
   nn::NetworkConfig network;
+  nn::ImageOrientation orientation = nn::ImageOrientation::upright;
 
   bool whole_set() const { return !coco_images.empty(); }
 };
@@ -82,7 +83,7 @@ class SegmentRun {
   SegmentRun(const SegmentOptions& options, const SegmentInput& input)
       : options_(options),
         input_(input),
-        loaded_(load_network(options.weights, options.classes, options.network)),
+        loaded_(load_network(options.weights, options.classes, options.network, options.key)),
         categories_(find_categories(input, loaded_.names)) {}
 
   void run() {
@@ -96,7 +97,8 @@ class SegmentRun {
         if (progress) progress->update(++done);
       }
     }
-    const std::filesystem::path file = std::filesystem::path(options_.out) / "results.json";
+    if (segmented_ == 0 && !failed_.empty()) throw_failed();
+    const std::filesystem::path file = results_file();
     results_.write(file);
     if (left_out_ > 0) {
       spdlog::warn("{} instances of classes that {} does not have are left out", left_out_,
@@ -108,16 +110,29 @@ class SegmentRun {
       if (options_.whole_set()) print_summary();
       fmt::print("COCO results: {}\n", file.string());
     }
-    if (!failed_.empty()) {
-      throw Error(fmt::format("{} of {} images could not be read", failed_.size(), input_.images.size()));
-    }
+    if (!failed_.empty()) throw_failed();
   }
 
  private:
+  [[noreturn]] void throw_failed() const {
+    throw Error(fmt::format("{} of {} images could not be read", failed_.size(), input_.images.size()));
+  }
+
+  // Results without those of unreadable images do not take the place of earlier ones, which may be complete.
+  std::filesystem::path results_file() const {
+    const std::filesystem::path folder = options_.out;
+    if (failed_.empty() || !std::filesystem::exists(folder / "results.json")) return folder / "results.json";
+    spdlog::warn(
+        "{}: left as it is, as some images could not be read now; the others' results are in "
+        "results_partial.json",
+        (folder / "results.json").string());
+    return folder / "results_partial.json";
+  }
+
   void segment(const ListedImage& listed) {
     cv::Mat image;
     try {
-      image = read_listed_image(listed);
+      image = read_listed_image(listed, options_.orientation);
     } catch (const Error& error) {
       spdlog::error("{}", error.what());
       failed_.push_back(listed.path.string());
@@ -202,7 +217,7 @@ void add_segment_command(CLI::App& app) {
   auto options = std::make_shared<SegmentOptions>();
   CLI::App* command =
       app.add_subcommand("segment", "Find object instances in images with Mask R-CNN or YOLOv5");
-  command->add_option("images", options->images, "PNG or JPEG images");
+  command->add_option("images", options->images, "PNG, JPEG, PGM or BMP images, or folders of them");
   CLI::Option* coco_images =
       command->add_option("--coco-images", options->coco_images, "folder with the images of a COCO data set");
   CLI::Option* annotations = command->add_option(
@@ -216,8 +231,9 @@ void add_segment_command(CLI::App& app) {
                     "print JSON instead of text: images, seconds, peak_arena_bytes, threads, isa");
   command
       ->add_option("--weights", options->weights,
-                   "Mask R-CNN (torchvision's names) or YOLOv5: safetensors or .pth")
+                   "Mask R-CNN (torchvision's names) or YOLOv5: safetensors, .pt or .pth")
       ->required();
+  add_key_option(command, options->key);
   command->add_option("--out", options->out, "folder for the pictures and results.json; made if missing")
       ->required();
   command->add_option("--classes", options->classes,
@@ -227,6 +243,7 @@ void add_segment_command(CLI::App& app) {
                    "least score of instances in the picture and the list")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
+  add_orientation_option(command, options->orientation);
   add_network_options(command, options->network);
   add_threads_option(command);
   add_isa_option(command);

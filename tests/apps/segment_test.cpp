@@ -72,6 +72,51 @@ TEST_F(SegmentTest, ATornImageIsNamedAndTheOthersAreStillDone) {
   EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out()) / "0042_overlay.png"));
 }
 
+// Earlier results may be complete: those of a run with unreadable images do not take their place.
+TEST_F(SegmentTest, AnUnreadableImageDoesNotReplaceGoodResults) {
+  const std::filesystem::path out_folder = out();
+  const std::string torn = folder_ / "torn.png";
+  std::ofstream(torn) << "\x89PNG\r\n\x1a\n";
+  EXPECT_EQ(segment(torn + " --weights " + weights()).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(out_folder / "results.json"));
+  ASSERT_EQ(segment(image() + " --weights " + weights()).exit_code, 0);
+  const std::string good = read_file(out_folder / "results.json");
+  const ProgramResult result =
+      segment(torn + " " + image() + " --weights " + weights() + " --score-threshold 0.9");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("torn.png"), std::string::npos) << result.err;
+  EXPECT_EQ(read_file(out_folder / "results.json"), good);
+  EXPECT_TRUE(read_json(out_folder / "results_partial.json").is_array());
+}
+
+TEST_F(SegmentTest, FoldersAreTakenInTheOrderOfTheirNumbersWithoutTheDesktopsFiles) {
+  const std::filesystem::path images = folder_ / "images";
+  std::filesystem::create_directory(images);
+  for (const char* name : {"2.png", "10.png"}) nn::write_image(images / name, random_image(1, 32, 24));
+  std::filesystem::rename(images / "10.png", images / "10.PNG");
+  for (const char* name : {"._2.png", ".DS_Store", "Thumbs.db", "notes.txt"}) write_file(images / name, "x");
+  const ProgramResult result =
+      segment(images.string() + " " + (images / "._2.png").string() + " --weights " + weights() + " --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json found = nlohmann::json::parse(result.out)["images"];
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0]["path"], (images / "2.png").string());
+  EXPECT_EQ(found[1]["path"], (images / "10.PNG").string());
+}
+
+TEST_F(SegmentTest, PhotographsAreTurnedUprightUnlessToldOtherwise) {
+  // 60 x 40 pixels that are to be turned by 90 degrees.
+  const std::string photograph = fixture("images/turned.jpg").string();
+  const auto size = [&](const std::string& options) {
+    const ProgramResult result = segment(photograph + " --weights " + weights() + " --json" + options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json found = nlohmann::json::parse(result.out)["images"][0];
+    return std::pair(found["width"].get<int>(), found["height"].get<int>());
+  };
+  EXPECT_EQ(size(""), std::pair(40, 60));
+  EXPECT_EQ(size(" --ignore-exif"), std::pair(60, 40));
+}
+
 TEST_F(SegmentTest, WeightsThatAreMissingOrOfAnotherNetworkAreAnError) {
   EXPECT_EQ(segment(image() + " --weights /no/such/file").exit_code, 1);
   nn::StateDict weights_of_nothing;

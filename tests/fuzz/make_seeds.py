@@ -21,10 +21,17 @@ FIXTURES = pathlib.Path(__file__).parents[1] / "fixtures" / "checkpoints"
 
 
 def pickles():
-    for name in ("small_zip", "every_kind_zip", "parallel", "protocol4"):
+    for name in ("small_zip", "every_kind_zip", "parallel", "protocol4", "wild_inert_2", "wild_inert_5", "wild_two",
+                 "wild_whole_named", "wild_whole_4", "wild_averaged", "wild_whole_numbers"):
         with zipfile.ZipFile(FIXTURES / f"{name}.pth") as archive:
             entry = next(e for e in archive.namelist() if e.endswith("data.pkl"))
             yield f"valid_{name}", archive.read(entry)
+    # A network whose parts hold each other: every way to a part counts.
+    part, named = b"ctrain\nPart\n)\x81", b"}X\x08\x00\x00\x00_modules}"
+    yield "bad_network_in_itself", b"\x80\x02" + part + b"q\x01" + named + b"X\x01\x00\x00\x00ah\x01ssb."
+    levels = b"".join(part + named + b"".join(b"K" + bytes([i]) + b"h" + bytes([level]) + b"s" for i in range(9)) +
+                      b"sbq" + bytes([level + 1]) for level in range(1, 9))
+    yield "bad_networks_that_share", b"\x80\x02" + part + b"q\x01" + levels + b"."
     yield "bad_no_dict", pickle.dumps([1, 2.5, "text", None, True, (1,), 1 << 70], protocol=2)
     yield "bad_list_in_itself", b"\x80\x02]q\x00h\x00a."
     yield "bad_dict_in_itself", b"\x80\x02}q\x00X\x05\x00\x00\x00modelh\x00s."
@@ -57,6 +64,8 @@ def zips():
 
 def legacy():
     yield "valid_small", (FIXTURES / "small_legacy.pth").read_bytes()
+    yield "valid_whole_network", (FIXTURES / "module_legacy.pth").read_bytes()
+    yield "valid_inert_values", (FIXTURES / "wild_inert_legacy.pth").read_bytes()
     yield "bad_magic_alone", pickle.dumps(0x1950A86A20F9469CFC6C, protocol=2)
     yield "bad_other_pickle", pickle.dumps({"weight": [1.0]}, protocol=2)
     yield "bad_protocol_alone", b"\x80\x02"
@@ -74,7 +83,11 @@ def tensor(dtype, shape, begin, end):
 def safetensors_files():
     two = {"__metadata__": {"classes": "cat,dog"}, "a": tensor("F32", [2], 0, 8), "b": tensor("BOOL", [], 8, 9)}
     yield "valid_two_tensors", safetensors(two, bytes(9))
-    yield "valid_empty", safetensors({})
+    yield "bad_empty", safetensors({})
+    yield "valid_metadata_null", safetensors({"__metadata__": None, "a": tensor("U8", [1], 0, 1)}, b"1")
+    yield "valid_unused_types", safetensors({"a": tensor("F8_E4M3", [2], 0, 2), "b": tensor("U32", [1], 2, 6),
+                                             "c": tensor("F4", [4], 6, 8)}, bytes(8))
+    yield "bad_half_a_byte", safetensors({"a": tensor("F4", [3], 0, 2)}, bytes(2))
     yield "valid_no_elements", safetensors({"a": tensor("F16", [0, 3], 0, 0)})
     yield "valid_nan", safetensors({"a": tensor("F64", [1], 0, 8)}, b"\xff" * 8)
     yield "bad_overlap", safetensors({"a": tensor("I8", [4], 0, 4), "b": tensor("I8", [4], 2, 6)}, bytes(6))
@@ -129,6 +142,12 @@ def images():
         frame = data.find(b"\xff\xc0" if not name.endswith("progressive") else b"\xff\xc2")
         # 65535 x 2048 pixels; the rows are those of 24 x 17
         yield f"bad{name}_claims_much.jpg", data[: frame + 5] + b"\x08\x00\xff\xff" + data[frame + 9:]
+    exif = b"MM\0*\0\0\0\x08\0\1\x01\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0"
+    yield "valid_turned.png", png(6, 2, 8, 0, (b"\0" + ROW) * 2, png_chunk(b"eXIf", exif))
+    yield "valid_ten_bits.png", png(3, 1, 16, 0, b"\2" + ROW, png_chunk(b"sBIT", b"\x0a"))
+    jpeg = cv2.imencode(".jpg", pixels)[1].tobytes()
+    segment = b"Exif\0\0" + exif
+    yield "valid_turned.jpg", jpeg[:2] + b"\xff\xe1" + struct.pack(">H", len(segment) + 2) + segment + jpeg[2:]
     grey = cv2.imencode(".jpg", pixels[:, :, 0])[1].tobytes()
     yield "valid_grey.jpg", grey
     yield "bad_torn.jpg", grey[:-40]
@@ -139,6 +158,15 @@ def images_for_the_decoder():
     """Sound as containers, so only the decoder sees what is wrong."""
     yield from images()
     yield "bad_palette_missing.png", png(4, 1, 2, 3, b"\0\x1b")
+    yield "valid_grey.pgm", b"P5 6 1 255\n" + ROW
+    yield "valid_wide.pgm", b"P5\n# ten bits\n3 1\n1023\n" + b"\1\2\3\4\0\0"
+    yield "valid_text.ppm", b"P3 1 1 7 1 2 7\n"
+    yield "bad_torn.pgm", b"P5 60 10 255\n" + ROW
+    pixels = numpy.arange(5 * 3 * 3, dtype=numpy.uint8).reshape(3, 5, 3)
+    yield "valid_colour.bmp", cv2.imencode(".bmp", pixels)[1].tobytes()
+    yield "valid_grey.bmp", cv2.imencode(".bmp", pixels[:, :, 0])[1].tobytes()
+    yield "bad_torn.bmp", cv2.imencode(".bmp", pixels)[1].tobytes()[:-1]
+    yield "bad_other.tif", b"II*\0\x08\0\0\0"
     yield "bad_filter.png", png(6, 1, 8, 0, b"\x09" + ROW)
 
 
@@ -210,10 +238,13 @@ def coco_annotation_files():
     yield "valid_crowd", file(annotations=[dict(annotation, iscrowd=1, segmentation=runs)])
     yield "valid_text_ids", file(images=[dict(image, id="a")], annotations=[dict(annotation, image_id="a")])
     yield "valid_none", file(annotations=[])
-    yield "bad_runs", file(annotations=[dict(annotation, iscrowd=1, segmentation=dict(runs, counts=[7]))])
-    yield "bad_image_id", file(annotations=[dict(annotation, image_id=2)])
+    yield "valid_runs_of_boxes_alone", file(annotations=[dict(annotation, iscrowd=1, segmentation=dict(runs, counts=[7]))])
+    yield "valid_image_not_listed", file(annotations=[dict(annotation, image_id=2)])
     yield "bad_twice", file(annotations=[annotation, annotation])
     yield "bad_box", file(annotations=[dict(annotation, bbox=[1, 1, -3, 2])])
+    yield "valid_floats", file(images=[dict(image, width=8.0)], annotations=[dict(annotation, id=0.0)])
+    yield "valid_two_points", file(annotations=[dict(annotation, segmentation=annotation["segmentation"] + [[1, 1, 3, 2]])])
+    yield "valid_no_sizes", file(images=[{"id": 1}])
     yield "bad_width", file(images=[dict(image, width=0)])
     yield "bad_half", file()[:200]
     yield "bad_deep", b"[" * 1000
@@ -224,9 +255,9 @@ def coco_result_files():
               "segmentation": {"size": [6, 8], "counts": "72420Q1"}}
     yield "valid_box", json.dumps([{k: v for k, v in result.items() if k != "segmentation"}]).encode()
     yield "valid_none", b"[]"
-    yield "bad_counts", json.dumps([result]).encode()
+    yield "valid_counts_of_boxes_alone", json.dumps([result]).encode()
     yield "bad_score", json.dumps([dict(result, score="high")]).encode()
-    yield "bad_category", json.dumps([dict(result, category_id=2)]).encode()
+    yield "valid_category_not_listed", json.dumps([dict(result, category_id=2)]).encode()
     yield "bad_nan", json.dumps([dict(result, score=float("nan"))]).encode()
     yield "bad_object", b"{}"
 
