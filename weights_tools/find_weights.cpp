@@ -163,7 +163,12 @@ std::string list_keys(const PickledObject& object, const Value& dict) {
         key.kind == ValueKind::text ? fmt::format("\"{}\"", printable(key.text, 40)) : to_string(key.kind);
   }
   if (dict.items.size() > 16) list += ", ...";
-  return list.empty() ? "an empty dict" : fmt::format("{} with {}", to_string(dict.kind), list);
+  if (list.empty()) return "an empty dict";
+  const bool has_arrays = std::any_of(dict.items.begin(), dict.items.end(), [&](ValueId id) {
+    return object[id].kind == ValueKind::object && object[id].text == "_reconstruct";  // numpy's
+  });
+  return fmt::format("{} with {}{}", to_string(dict.kind), list,
+                     has_arrays ? " (numpy arrays are not taken for weights: save torch tensors)" : "");
 }
 
 std::string list_holders(const std::vector<Holder>& holders) {

@@ -99,6 +99,7 @@ class Walk {
       }
       if (key == "_buffers" && find(*tensors, "running_var") != nullptr) note_epsilon(*part.value);
     }
+    note_settings(*part.value);
     const std::string_view name = part.value->text;
     if (std::find(kActivations.begin(), kActivations.end(), name) != kActivations.end()) {
       activations_.insert(std::string(name));
@@ -121,6 +122,45 @@ class Walk {
     const Value* eps = find(norm, "eps");
     if (eps == nullptr || eps->kind != ValueKind::real) return;
     epsilons_.insert(fmt::format("{}", std::bit_cast<double>(eps->number)));
+  }
+
+  // Of torchvision's detectors: what their tensors do not tell.
+  void note_settings(const Value& part) {
+    if (part.text == "GeneralizedRCNNTransform") {
+      for (const char* key : {"min_size", "max_size"}) {
+        const Value* size = find(part, key);
+        if (size != nullptr) note_numbers(key, *size, Keep::last);  // of several sizes for training the last
+      }
+    } else if (part.text == "AnchorGenerator") {
+      const Value* sizes = find(part, "sizes");
+      if (sizes != nullptr) note_numbers("anchor_sizes", *sizes, Keep::all);
+    }
+  }
+
+  // A whole number, or tuples and lists of them, at most two deep: ((32,), (64,), ...).
+  enum class Keep { all, last };
+  void note_numbers(const char* key, const Value& value, Keep keep) {
+    constexpr std::size_t kMostNumbers = 64;
+    std::vector<std::int64_t> numbers;
+    const auto add = [&](const Value& number) {
+      if (number.kind == ValueKind::integer && numbers.size() < kMostNumbers)
+        numbers.push_back(number.number);
+    };
+    const auto is_row = [](const Value& row) {
+      return row.kind == ValueKind::tuple || row.kind == ValueKind::list;
+    };
+    add(value);
+    if (is_row(value)) {
+      for (std::size_t i = 0; i < std::min(value.items.size(), kMostNumbers); ++i) {
+        const Value& item = object_[value.items[i]];
+        add(item);
+        if (!is_row(item)) continue;
+        for (std::size_t k = 0; k < std::min(item.items.size(), kMostNumbers); ++k)
+          add(object_[item.items[k]]);
+      }
+    }
+    if (keep == Keep::last && numbers.size() > 1) numbers = {numbers.back()};
+    if (!numbers.empty()) network_.metadata[key] = fmt::format("{}", fmt::join(numbers, ","));
   }
 
   void finish() {

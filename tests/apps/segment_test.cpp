@@ -9,6 +9,7 @@
 #include "nn/io/coco_rle.h"
 #include "nn/io/image_file.h"
 #include "nn/io/safetensors.h"
+#include "tests/support/bytes.h"
 #include "tests/support/random_network.h"
 #include "tests/support/test_data.h"
 
