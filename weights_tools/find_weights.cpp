@@ -15,7 +15,7 @@ namespace penumbra::weights_tools {
 
 namespace {
 
-constexpr std::size_t kDeepest = 4, kLongestName = 1024, kMostHolders = 1000, kMostVisited = 100'000;
+constexpr std::size_t kDeepestKey = 4, kMostHolders = 1000, kMostVisited = 100'000;
 // Averaged weights first, as YOLOv5's and timm's own loaders take them.
 constexpr std::array<std::string_view, 7> kAveraged = {
     "model_ema", "state_dict_ema", "ema_state_dict", "ema", "params_ema", "g_ema", "averaged_model"};
@@ -74,8 +74,8 @@ std::vector<NamedValue> tensors_of(const PickledObject& object, const Value& dic
   for (std::size_t i = 0; i + 1 < dict.items.size(); i += 2) {
     const Value& name = object[dict.items[i]];
     // Checked before names are compared, which could take hours with ones of megabytes.
-    if (name.kind == ValueKind::text && name.text.size() > kLongestName) {
-      throw InputError(place, fmt::format("names of at most {} bytes", kLongestName),
+    if (name.kind == ValueKind::text && name.text.size() > kLongestTensorName) {
+      throw InputError(place, fmt::format("names of at most {} bytes", kLongestTensorName),
                        fmt::format("{} bytes: \"{}\"", name.text.size(), printable(name.text, 40)));
     }
     if (name.kind == ValueKind::text) {
@@ -110,7 +110,7 @@ class Search {
       if (is_new) {
         const bool is_whole = is_network(object_, *holder.value);
         known->second = is_whole || holds_tensors(object_, *holder.value);
-        if (!is_whole && holder.path.size() < kDeepest) add_inner(holder, queue);
+        if (!is_whole && holder.path.size() < kDeepestKey) add_inner(holder, queue);
       }
       if (known->second) found.push_back(std::move(holder));
     }
@@ -131,7 +131,7 @@ class Search {
     }
     holder.is_known = are_of_a_known_network(names);
     for (const std::string& key : holder.path) holder.ranks.push_back(rank_of(key));
-    holder.ranks.resize(kDeepest, kOrdinaryRank);
+    holder.ranks.resize(kDeepestKey, kOrdinaryRank);
   }
 
  private:
@@ -141,7 +141,7 @@ class Search {
     for (std::size_t i = 0; i + 1 < items.size() && queue.size() < kMostVisited; i += 2) {
       const Value& key = object_[items[i]];
       const Value& value = object_[items[i + 1]];
-      if (key.kind != ValueKind::text || key.text.size() > kLongestName) continue;
+      if (key.kind != ValueKind::text || key.text.size() > kLongestTensorName) continue;
       if (value.kind != ValueKind::dict && value.kind != ValueKind::object) continue;
       Holder inner{holder.path, &value, {}, false, {}};
       inner.path.emplace_back(key.text);

@@ -280,36 +280,9 @@ class PickleMachine {
     push({.kind = ValueKind::global, .global = *global, .text = name});
   }
 
-  // Sets an object's attributes: a dict of them, or a pair of dicts where the class has slots. Other values
-  // carry attributes that nothing here needs: state dicts so carry their modules' versions.
   void build() {
-    const ValueId state = pop(), target = top();
-    switch (heap_[target].kind) {
-      case ValueKind::object:
-        if (heap_[state].kind == ValueKind::dict) {
-          take_attributes(target, state);
-        } else if (heap_[state].kind == ValueKind::tuple && heap_[state].items.size() == 2) {
-          const ValueId first = heap_[state].items[0], second = heap_[state].items[1];
-          take_attributes(target, first);
-          take_attributes(target, second);
-        }
-        return;
-      case ValueKind::dict:
-      case ValueKind::list:
-      case ValueKind::set:
-      case ValueKind::tuple:
-      case ValueKind::tensor:
-      case ValueKind::unread_tensor:
-        return;
-      default:
-        heap_.fail("attributes for an object",
-                   fmt::format("attributes for {}", to_string(heap_[target].kind)));
-    }
-  }
-
-  void take_attributes(ValueId object, ValueId state) {
-    if (heap_[state].kind != ValueKind::dict) return;
-    for (std::size_t i = 0; i < heap_[state].items.size(); ++i) heap_.append(object, heap_[state].items[i]);
+    const ValueId state = pop();
+    heap_.set_attributes(top(), state);
   }
 
   static constexpr ValueId kNothing = std::numeric_limits<ValueId>::max();

@@ -15,7 +15,7 @@ namespace penumbra::weights_tools {
 
 namespace {
 
-constexpr std::size_t kDeepest = 64, kLongestName = 1024;
+constexpr std::size_t kDeepestPart = 64;
 
 constexpr std::array<std::string_view, 13> kActivations = {
     "SiLU", "ReLU", "ReLU6", "LeakyReLU", "PReLU", "ELU",  "CELU",
@@ -40,7 +40,7 @@ class Walk {
         if (inner.kind != ValueKind::object) continue;  // None: a part that is left out
         parts.push_back({&inner, name_of(part, modules->items[i]) + ".", part.depth + 1});
         take(budget_.parts, 1);
-        if (part.depth + 1 > kDeepest)
+        if (part.depth + 1 > kDeepestPart)
           throw InputError(place_, "a network of at most 64 nested parts", "more");
       }
     }
@@ -74,8 +74,8 @@ class Walk {
     if (text.kind != ValueKind::text) {
       throw InputError(place_, "the names of a network's parts as text", to_string(text.kind));
     }
-    if (part.prefix.size() + text.text.size() > kLongestName) {
-      throw InputError(place_, fmt::format("names of at most {} bytes", kLongestName), "longer ones");
+    if (part.prefix.size() + text.text.size() > kLongestTensorName) {
+      throw InputError(place_, fmt::format("names of at most {} bytes", kLongestTensorName), "longer ones");
     }
     take(budget_.name_bytes, part.prefix.size() + text.text.size());
     return part.prefix + std::string(text.text);
@@ -178,7 +178,7 @@ class Walk {
   WalkBudget& budget_;
   WholeNetwork network_;
   std::set<std::string> epsilons_, activations_;
-  std::size_t names_depth_ = kDeepest + 1, stride_depth_ = kDeepest + 1;
+  std::size_t names_depth_ = kDeepestPart + 1, stride_depth_ = kDeepestPart + 1;
 };
 
 }  // namespace

@@ -16,6 +16,8 @@
 
 namespace penumbra::weights_tools {
 
+inline constexpr std::size_t kLongestTensorName = 1024;  // bytes
+
 struct NamedValue {
   std::string name;
   ValueId value = 0;

@@ -14,11 +14,14 @@ bool read_coco_annotations(std::string_view bytes) {
   return is_read([&] {
     const nn::CocoAnnotations read = nn::read_coco_annotations(file.path());
     for (const nn::CocoImage& image : read.images)
-      require(image.width > 0 && image.height > 0, "images have pixels");
+      require(image.width >= 0 && image.height >= 0, "images have pixels, or their sizes are not told");
     for (const nn::CocoAnnotation& annotation : read.annotations) {
       require(annotation.image < read.images.size(), "every annotation has an image");
       require(annotation.category < read.categories.size(), "every annotation has a category");
       require(std::isfinite(annotation.area), "areas are finite");
+      const nn::CocoImage& image = read.images[annotation.image];
+      require(annotation.segmentation.is_missing() || (image.width > 0 && image.height > 0),
+              "images of masks have pixels");
     }
   });
 }
