@@ -85,7 +85,7 @@ mkdir out/block/poses
 cp kitti/poses/00.txt out/block/poses/
 cp -r out/block out/shifted
 small="$source/weights_tools/models/penumbra-tiny.safetensors"
-for name in maskrcnn.safetensors maskrcnn_resnet50_fpn_coco.pth maskrcnn_resnet50_fpn.pth maskrcnn_r50fpn.pth maskrcnn.pth w.safetensors \
+for name in maskrcnn.safetensors maskrcnn_resnet50_fpn_coco.pth maskrcnn_resnet50_fpn.pth maskrcnn_r50fpn.pth maskrcnn.pth w.safetensors yolov5s.pt \
     mam.safetensors fpn.safetensors yolov5n-seg.pth yolov5n-seg.safetensors out/baseline/weights.safetensors out/mine/weights.safetensors; do
   cp "$small" $name
 done
