@@ -116,7 +116,9 @@ CocoSegmentation read_coco_mask(const JsonFields& fields, const CocoImage& image
   constexpr const char* kKey = "segmentation";
   try {
     CocoSegmentation segmentation = read_segmentation(fields);
-    if (segmentation.is_missing()) fields.fail(kKey, "a segmentation, as masks are to be evaluated", "none");
+    if (segmentation.is_missing()) {
+      throw InputError(fields.place(), "a segmentation, as masks are to be evaluated", "none");
+    }
     if (image.width == 0 || image.height == 0) {
       fields.fail(
           kKey,

@@ -52,6 +52,7 @@ class JsonFields {
   double number(const char* key) const;  // finite
   std::string text(const char* key) const;
 
+  std::string place() const { return entry_.place(); }
   std::string place(const char* key) const;  // "FILE: SECTION, entry 17, KEY"
   [[noreturn]] void fail(const char* key, std::string_view expected, std::string_view found) const;
 

@@ -1,4 +1,5 @@
 // penumbra segment on real photographs with published weights: how well, not only that it runs.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,7 +48,7 @@ TEST(SegmentRealTest, SmallerNumbersKeepTheAveragePrecision) {
   std::vector<fs::path> all(fs::directory_iterator(coco / "images"), {});
   std::sort(all.begin(), all.end());
   all.resize(20);
-  for (const fs::path& image : all) images += " " + image.string();
+  for (const fs::path& image : all) images += fmt::format(" {}", image.string());
   const ProgramResult calibrate =
       run_penumbra("calibrate" + images + " --weights " + weights.string() + " -o " + calibrated.string());
   ASSERT_EQ(calibrate.exit_code, 0) << calibrate.err;

@@ -218,7 +218,7 @@ TEST(CocoEvaluation, MasksWithoutSegmentationAreAnErrorThatNamesTheEntry) {
   files.results[1].erase("segmentation");
   EXPECT_NO_THROW(files.evaluate());
   expect_error<InputError>([&] { files.evaluate(CocoRegion::masks); },
-                           {"results.json: entry 1, segmentation: expected a segmentation"});
+                           {"results.json: entry 1: expected a segmentation"});
 }
 
 // Numbers of pycocotools 2.0.
