@@ -100,7 +100,7 @@ class View : public ::testing::Test {
   }
   void finish() {
     slam.finish();
-    apps::write_results(out.path(), *dataset, slam, run);
+    apps::write_results({out.path(), {}}, *dataset, slam, run);
     state_of(port);  // so that somebody looks
     view.finish(out.path());
   }
@@ -109,7 +109,7 @@ class View : public ::testing::Test {
   test::TemporaryDirectory out;
   std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(street(), {});
   apps::SlamRun run;
-  slam::Slam slam{dataset->camera(), run.settings};
+  slam::Slam slam{dataset->camera(), dataset->sensor(), {}};
   apps::LiveView view{0, run, dataset->size(), slam};
   const int port = port_of(view.address());
 };
