@@ -14,6 +14,7 @@
 #include "apps/commands.h"
 #include "apps/compute_options.h"
 #include "apps/image_list.h"
+#include "apps/interruption.h"
 #include "apps/load_network.h"
 #include "apps/network_options.h"
 #include "apps/overlay.h"
@@ -21,6 +22,7 @@
 #include "apps/segment_report.h"
 #include "nn/base/error.h"
 #include "nn/evaluation/coco_results.h"
+#include "nn/io/file.h"
 #include "nn/io/image_file.h"
 #include "nn/simd/isa.h"
 
@@ -93,11 +95,12 @@ class SegmentRun {
         progress.emplace("Segmenting", static_cast<int>(input_.images.size()), "images");
       int done = 0;
       for (const ListedImage& image : input_.images) {
+        if (Interruption::requested()) break;
         segment(image);
         if (progress) progress->update(++done);
       }
     }
-    if (segmented_ == 0 && !failed_.empty()) throw_failed();
+    if (segmented_ == 0 && !is_complete()) throw_incomplete();
     const std::filesystem::path file = results_file();
     results_.write(file);
     if (left_out_ > 0) {
@@ -110,20 +113,26 @@ class SegmentRun {
       if (options_.whole_set()) print_summary();
       fmt::print("COCO results: {}\n", file.string());
     }
-    if (!failed_.empty()) throw_failed();
+    if (!is_complete()) throw_incomplete();
   }
 
  private:
-  [[noreturn]] void throw_failed() const {
+  bool is_complete() const { return static_cast<std::size_t>(segmented_) == input_.images.size(); }
+
+  [[noreturn]] void throw_incomplete() const {
+    if (Interruption::requested()) {
+      throw Error(fmt::format("interrupted by {} after {} of {} images", Interruption::signal_name(),
+                              segmented_ + static_cast<int>(failed_.size()), input_.images.size()));
+    }
     throw Error(fmt::format("{} of {} images could not be read", failed_.size(), input_.images.size()));
   }
 
-  // Results without those of unreadable images do not take the place of earlier ones, which may be complete.
+  // Results without those of some images do not take the place of earlier ones, which may be complete.
   std::filesystem::path results_file() const {
     const std::filesystem::path folder = options_.out;
-    if (failed_.empty() || !std::filesystem::exists(folder / "results.json")) return folder / "results.json";
+    if (is_complete() || !std::filesystem::exists(folder / "results.json")) return folder / "results.json";
     spdlog::warn(
-        "{}: left as it is, as some images could not be read now; the others' results are in "
+        "{}: left as it is, as not all images were segmented now; the others' results are in "
         "results_partial.json",
         (folder / "results.json").string());
     return folder / "results_partial.json";
@@ -161,8 +170,13 @@ class SegmentRun {
     SegmentedImage segmented{listed.path, image.size(), detections, seconds, std::nullopt};
     if (options_.pictures || !options_.whole_set()) {
       segmented.picture = std::filesystem::path(options_.out) / picture_name(listed);
-      nn::write_image(*segmented.picture,
-                      draw_overlay(image, detections, loaded_.names, options_.show_above));
+      try {  // a picture that cannot be written costs only itself
+        nn::write_image(*segmented.picture,
+                        draw_overlay(image, detections, loaded_.names, options_.show_above));
+      } catch (const Error& error) {
+        spdlog::warn("left out: {}", error.what());
+        segmented.picture.reset();
+      }
     }
     if (options_.json) {
       report_.push_back(image_json(segmented, loaded_.names,
@@ -208,6 +222,8 @@ void segment(const SegmentOptions& options) {
   if (options.pictures || !options.whole_set()) check_picture_names(input.images);
   SegmentRun run(options, input);
   std::filesystem::create_directories(options.out);
+  nn::require_writable_folder(options.out);
+  const Interruption interruption;  // until the results are written
   run.run();
 }
 
