@@ -42,7 +42,7 @@ struct EvalLoopsOptions {
 };
 
 nlohmann::json read_json(const std::filesystem::path& path) {
-  const std::string text = nn::read_file(path, "a file that `penumbra slam` wrote");
+  const std::string text = nn::read_text_file(path, "a file that `penumbra slam` wrote");
   nlohmann::json value = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
   return value;

@@ -60,7 +60,7 @@ std::optional<NumberLine> NumberFileReader::next() {
 }
 
 NumberFileReader::NumberFileReader(const std::filesystem::path& path, std::string_view record)
-    : path_(path.string()), text_(read_file(path, fmt::format("a text file with {} in each line", record))) {}
+    : path_(path.string()), text_(read_text_file(path, fmt::format("a text file with {} in each line", record))) {}
 
 std::string NumberFileReader::place() const { return fmt::format("{}:{}", path_, line_); }
 

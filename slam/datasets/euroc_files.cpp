@@ -52,7 +52,7 @@ EurocCamera read_euroc_camera(const fs::path& path) {
 }
 
 Trajectory read_euroc_ground_truth(const fs::path& path) {
-  std::string text = nn::read_file(path, "ground truth (NANOSECONDS,x,y,z,qw,qx,qy,qz,... a line)");
+  std::string text = nn::read_text_file(path, "ground truth (NANOSECONDS,x,y,z,qw,qx,qy,qz,... a line)");
   std::replace(text.begin(), text.end(), ',', ' ');
   Trajectory truth;
   int line = 0;

@@ -49,7 +49,7 @@ double parse_seconds(std::string_view text, const std::string& place) {
 std::vector<ListedImage> read_list(const std::filesystem::path& path, std::string_view separators,
                                    const char* form,
                                    double (*parse_time)(std::string_view, const std::string&)) {
-  const std::string text = nn::read_file(path, fmt::format("a list of images ({} a line)", form));
+  const std::string text = nn::read_text_file(path, fmt::format("a list of images ({} a line)", form));
   std::vector<ListedImage> images;
   int line = 0;
   for (std::size_t start = 0; start < text.size();) {

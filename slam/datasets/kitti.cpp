@@ -110,7 +110,7 @@ std::string read_name(const SequenceFolder& sequence) {
   constexpr std::size_t kLongest = 100;  // bytes
   const fs::path path = sequence.folder / "name.txt";
   if (!is_present(path)) return "KITTI odometry " + sequence.name;
-  std::string name = nn::read_file(path, "the name of the recording");
+  std::string name = nn::read_text_file(path, "the name of the recording");
   if (!name.empty() && name.back() == '\n') name.pop_back();
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (name.empty() || name.size() > kLongest || std::any_of(name.begin(), name.end(), is_control)) {

@@ -46,7 +46,7 @@ Projection find_projection(std::string_view text, const std::filesystem::path& p
 }  // namespace
 
 StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left, int right) {
-  const std::string text = nn::read_file(path, "a KITTI calibration file");
+  const std::string text = nn::read_text_file(path, "a KITTI calibration file");
   const Projection P_left = find_projection(text, path, left);
   const Projection P_right = find_projection(text, path, right);
 

@@ -81,7 +81,7 @@ struct Group {
 }  // namespace
 
 YamlFile::YamlFile(const std::filesystem::path& path) : path_(path.string()) {
-  read(nn::read_file(path, "a YAML file"));
+  read(nn::read_text_file(path, "a YAML file"));
 }
 
 void YamlFile::read(std::string_view text) {
