@@ -53,8 +53,10 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
   recording.left = rectification.left;
   recording.right = rectification.right;
   recording.colour = colour_of(options.cameras, nn::ImageColour::grey);
-  const std::vector<ListedImage> left_images = read_euroc_image_list(folders[0] / "data.csv");
-  const std::vector<ListedImage> right_images = read_euroc_image_list(folders[1] / "data.csv");
+  const ImageList left_list = read_euroc_image_list(folders[0] / "data.csv");
+  const ImageList right_list = read_euroc_image_list(folders[1] / "data.csv");
+  const std::vector<ListedImage>&left_images = left_list.images, &right_images = right_list.images;
+  recording.notes = joined_notes(left_list, right_list);
   for (const auto& [l, r] : associate_times(times_of(left_images), times_of(right_images), kSameTime)) {
     recording.frames.push_back({static_cast<int>(recording.frames.size()), left_images[l].timestamp,
                                 folders[0] / "data" / left_images[l].name,

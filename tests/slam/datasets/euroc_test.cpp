@@ -108,6 +108,20 @@ TEST_F(Euroc, ImagesWithoutPartnerAreLeftOutWithANote) {
   expect_refused({"cam0 and cam1 with the same times"});
 }
 
+TEST_F(Euroc, MicrosecondsAndRepeatedTimesAreTakenWithANote) {
+  for (int c = 0; c < 2; ++c) {
+    std::string list;
+    for (const int i : {0, 1, 1, 2, 3}) list += fmt::format("{},{}.png\n", time(i) / 1000, time(i));
+    nn::write_file(camera(c) / "data.csv", list);
+  }
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_EQ(dataset->size(), 4);
+  EXPECT_NEAR(dataset->timestamp(1) - dataset->timestamp(0), 0.05, 1e-6);
+  ASSERT_EQ(dataset->notes().size(), 4U);
+  EXPECT_NE(dataset->notes()[0].find("microseconds (not nanoseconds)"), std::string::npos);
+  EXPECT_NE(dataset->notes()[1].find("1 images have the time of the one before"), std::string::npos);
+}
+
 TEST_F(Euroc, LongGapsAreNoted) {
   std::string list;
   for (const int i : {0, 1, 3}) list += fmt::format("{0},{1}.png\n", time(i), time(i));
@@ -125,8 +139,8 @@ TEST_F(Euroc, BrokenListsAreRefusedWithTheirLine) {
   };
   with_list("", {"cam0/data.csv", "images", "an empty list"});
   with_list("5 a.png\n", {"data.csv:1", "NANOSECONDS,NAME", "'5 a.png'"});
-  with_list("# c\nx,a.png\n", {"data.csv:2", "whole nanoseconds", "'x'"});
-  with_list("5,a.png\n5,b.png\n", {"data.csv:2", "a time after"});
+  with_list("# c\nx,a.png\n", {"data.csv:2", "a number", "'x'"});
+  with_list("50000000,a.png\n0,b.png\n", {"data.csv:2", "a time after"});
   with_list("5,\n", {"data.csv:1", "the name of an image"});
   with_list("5,../a.png\n", {"data.csv:1", "'../a.png'"});
   with_list("5,/etc/a.png\n", {"data.csv:1", "'/etc/a.png'"});
