@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
@@ -12,6 +13,7 @@
 #include "nn/io/image_container.h"
 #include "nn/io/number_file.h"
 #include "slam/datasets/camera_file.h"
+#include "slam/datasets/known_keys.h"
 #include "slam/datasets/yaml_file.h"
 #include "slam/geometry/trajectory_io.h"
 
@@ -19,8 +21,30 @@ namespace penumbra::slam {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Of these the first six are used.
+const std::vector<KnownKey>& sensor_keys() {
+  static const std::vector<KnownKey> keys = {
+      {"T_BS", {}},
+      {"resolution", {"image_size"}},
+      {"camera_model", {}},
+      {"intrinsics", {}},
+      {"distortion_model", {}},
+      {"distortion_coefficients", {"distortion_coeffs", "distortion"}},
+      {"sensor_type", {}},
+      {"comment", {"name", "description"}},
+      {"rate_hz", {"rate"}},
+      {"rostopic", {}},
+  };
+  return keys;
+}
+
+}  // namespace
+
 EurocCamera read_euroc_camera(const fs::path& path) {
-  const YamlFile yaml(path);
+  YamlFile yaml(path);
+  use_known_keys(yaml, sensor_keys());
   const std::string model = yaml.text_or("camera_model", "pinhole");
   if (model != "pinhole")
     throw InputError(yaml.place("camera_model"), "pinhole", fmt::format("'{}'", printable(model, 40)));
@@ -47,7 +71,7 @@ EurocCamera read_euroc_camera(const fs::path& path) {
   }
   set_lens_model(camera.lens, yaml.text("distortion_model"), yaml.numbers("distortion_coefficients"),
                  yaml.place("distortion_coefficients"));
-  camera.T_BS = read_transform(yaml, "T_BS.data");
+  camera.T_BS = read_transform(yaml, "T_BS");
   return camera;
 }
 

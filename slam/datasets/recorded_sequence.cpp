@@ -9,6 +9,7 @@
 #include "nn/base/text.h"
 #include "nn/io/exif.h"
 #include "slam/datasets/image_levels.h"
+#include "slam/datasets/row_check.h"
 #include "slam/evaluation/association.h"
 
 namespace penumbra::slam {
@@ -17,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLongGap = 1.8;  // times the usual step between two frames
+constexpr int kPairsLookedAt = 3;  // for their rows
+constexpr double kLongGap = 1.8;   // times the usual step between two frames
 
 class RecordedSequence final : public StereoDataset {
  public:
@@ -39,7 +41,7 @@ class RecordedSequence final : public StereoDataset {
       r_.camera.width = left.cols;
       r_.camera.height = left.rows;
     }
-    load(0);
+    check_rows(load(0));
   }
 
   std::string name() const override { return r_.name; }
@@ -133,6 +135,30 @@ class RecordedSequence final : public StereoDataset {
         fmt::format("frames are missing in {} places: the longest gap, of {:.3g} s, is after frame {}; "
                     "the usual step is {:.3g} s",
                     gaps, *longest, frame(static_cast<int>(longest - steps.begin())).index, usual));
+  }
+
+  // One pair tells, if it shows enough; the second and third are looked at where it does not.
+  void check_rows(const StereoImages& first) {
+    if (r_.sensor != Sensor::stereo) return;
+    RowOffsets rows;
+    rows.add(first.left, first.right);
+    for (int i = 1; i < std::min(kPairsLookedAt, size()) && !rows.is_enough(); ++i) {
+      try {
+        const StereoImages images = load(i);
+        rows.add(images.left, images.right);
+      } catch (const InputError&) {
+        continue;  // for the run to report
+      }
+    }
+    if (const std::optional<RowOffsets::Disagreement> found = rows.disagreement()) {
+      r_.notes.push_back(
+          fmt::format("the rows of left and right images disagree: of {} features that look alike the median "
+                      "is {:.1f} pixels "
+                      "apart vertically (with its sign {:+.1f}, downwards in the right image). Are the "
+                      "images not rectified, is "
+                      "the rotation of T_right_left transposed, or the calibration another camera's?",
+                      rows.offsets.size(), found->median_length, found->median));
+    }
   }
 
   void choose_ground_truth() {

@@ -166,7 +166,8 @@ TEST_F(Euroc, BrokenCalibrationIsRefused) {
   with("radial-tangential", "fov", {"equidistant", "'fov'"});
   with("[1.0, 0.0", "[2.0, 0.0", {"(T_BS.data)", "a rotation"});
   with("0.1,", "-0.1,", {"cam1/sensor.yaml", "to the right", "swapped"});
-  with("T_BS", "T_BX", {"the key T_BS.data"});
+  with("T_BS", "T_BX", {"cam1/sensor.yaml:6 (T_BX.data)", "a key that is known (is 'T_BS' meant?)"});
+  with("distortion_coefficients", "distorsion_coefficients", {"(is 'distortion_coefficients' meant?)"});
 }
 
 TEST_F(Euroc, ImageOfAnotherSizeOrMissingIsRefused) {

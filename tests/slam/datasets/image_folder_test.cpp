@@ -259,6 +259,61 @@ TEST_F(ImageFolder, BadCalibrationIsRefused) {
   expect_refused({"my_camera", "calibration.yaml"});
 }
 
+TEST_F(ImageFolder, KeysHaveTheFieldsOtherNames) {
+  const auto camera = [&](const std::string& text) {
+    calibrate(text);
+    return make_camera(read_camera_file(root() / "calibration.yaml")).camera;
+  };
+  const StereoCamera expected = camera(kRaw);
+  std::string other = kRaw;
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = other.find(from, at)) != std::string::npos; at += to.size())
+      other.replace(at, from.size(), to);
+  };
+  replace("distortion:", "distortion_coefficients:");
+  EXPECT_EQ(camera(other).fx, expected.fx);
+  replace("distortion_coefficients: [-0.01, 0.0, 0.0, 0.0]", "k1: -0.01\n  k2: 0.0\n  p1: 0.0\n  p2: 0.0");
+  EXPECT_EQ(camera(other).fx, expected.fx);
+  replace("width: 80\nheight: 60", "resolution: [80, 60]");
+  replace("rate:", "fps:");
+  replace("  fx: 70\n  fy: 70\n  cx: 40\n  cy: 30\n", "  camera_matrix: [70, 0, 40, 0, 70, 30, 0, 0, 1]\n");
+  EXPECT_EQ(camera(other).fx, expected.fx);
+  replace("T_right_left: [1, 0, 0, -0.12", "T_left_right: [1, 0, 0, 0.12");
+  EXPECT_EQ(camera(other).fx, expected.fx);
+  EXPECT_DOUBLE_EQ(camera("intrinsics: [70, 71, 40, 30]\nbf: 8.4\n").baseline, 0.12);
+  const std::string rgbd = "sensor: rgbd\nintrinsics: [70, 71, 40, 30]\n";
+  const auto factor = [&](const std::string& text) {
+    calibrate(rgbd + text);
+    return read_camera_file(root() / "calibration.yaml").depth_factor;
+  };
+  EXPECT_EQ(factor("DepthMapFactor: 5000\n"), 5000.0);
+  EXPECT_EQ(factor("depth_scale: 1000\n"), 1000.0);
+  EXPECT_EQ(factor("depth_scale: 0.001\n"), 1000.0);
+  calibrate(rgbd + "depth_factor: 0.001\n");
+  expect_refused({"(depth_factor)", "levels a metre, at least 1 (such as 1000)", "0.001"});
+}
+
+TEST_F(ImageFolder, UnknownKeysAreRefusedWithTheNearest) {
+  const auto with = [&](const std::string& text, std::initializer_list<std::string> parts) {
+    calibrate(text);
+    expect_refused(parts);
+  };
+  with(std::string(kRectified) + "basline: 3\n", {"calibration.yaml:7 (basline)", "(is 'baseline' meant?)"});
+  with(std::string(kRectified) + "zzzzzz: 3\n", {"a key that is known", "'zzzzzz'"});
+  with(std::string(kRectified) + "fps: 3\n",
+       {"(fps)", "one of two keys for rate", "calibration.yaml:6 (rate)"});
+  with(std::string(kRectified) + "bf: 3\n", {"(bf)", "one of two ways", "(baseline)"});
+  with(std::string(kRectified) + "depth_factor: 5000\nsensor: stereo\n", {"(depth_factor)", "sensor: rgbd"});
+  with(std::string(kRaw) + "distortion: [1, 2, 3, 4]\n", {"(distortion)", "left: and right:"});
+  with(std::string(kRaw) + "baseline: 3\n", {"(baseline)", "T_right_left"});
+  with(std::string(kRectified) + "distortion_model: equidistant\n", {"(distortion_model)", "coefficients"});
+  with("%YAML:1.0\nCamera.type: \"PinHole\"\nCamera.fx: 3\n",
+       {"calibration.yaml", "looks like ORB-SLAM's settings"});
+  with("cam0:\n  cam_overlaps: [1]\n", {"looks like Kalibr's camchain"});
+  with("image_width: 80\ncamera_matrix:\n  rows: 3\n  data: [1]\nprojection_matrix:\n  data: [1]\n",
+       {"ROS's camera_info"});
+}
+
 TEST_F(ImageFolder, ALensThatCannotBeIsRefusedOrUndoneFinitely) {
   for (const char* distortion : {"[-1e9, 1e9, 0, 0]", "[1e300, 0, 0, 0]", "[-5, 30, 0, 0, -60]"}) {
     SCOPED_TRACE(distortion);
