@@ -36,6 +36,9 @@ void read_stereo(const YamlFile& yaml, CameraFile& file) {
     file.left = read_lens(yaml, "");
     const std::string key = one_of(yaml, {"baseline", "bf"});
     file.baseline = yaml.number_above_zero(key) / (key == "bf" ? file.left.fx : 1.0);
+    if (!(file.baseline > 0.0 && std::isfinite(file.baseline))) {
+      throw InputError(yaml.place(key), "a baseline above 0", fmt::format("{:g} m", file.baseline));
+    }
     if (!file.left.distortion.empty()) {
       throw InputError(yaml.place(yaml.has("distortion") ? "distortion" : "k1"),
                        "no distortion in rectified images (or 'rectified: false')", "coefficients");
@@ -62,7 +65,8 @@ double read_depth_factor(const YamlFile& yaml) {
   const std::string key = one_of(yaml, {"depth_factor", "depth_scale"});
   const double value = yaml.number_above_zero(key);
   if (value >= 1.0) return value;
-  if (key == "depth_scale") return 1.0 / value;
+  constexpr double kFinest = 1e-6;  // metres a level; finer is no camera's
+  if (key == "depth_scale" && value >= kFinest) return 1.0 / value;
   throw InputError(yaml.place(key), fmt::format("levels a metre, at least 1 (such as {:g})", 1.0 / value),
                    fmt::format("{:g}", value));
 }

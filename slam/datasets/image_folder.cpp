@@ -88,8 +88,8 @@ void set_times(const fs::path& folder, const ImagePairs& images, std::optional<d
 }
 
 Trajectory find_ground_truth(const fs::path& folder, const ImagePairs& images,
-                             const std::vector<RecordedFrame>& frames) {
-  if (is_present(folder / "groundtruth.txt")) return read_tum_trajectory(folder / "groundtruth.txt");
+                             const std::vector<RecordedFrame>& frames, Notes* notes) {
+  if (is_present(folder / "groundtruth.txt")) return read_tum_trajectory(folder / "groundtruth.txt", notes);
   const fs::path file = folder / "poses.txt";
   if (!is_present(file)) return {};
   const std::vector<SE3> poses = read_kitti_poses(file);
@@ -139,7 +139,7 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
     recording.notes.push_back(
         fmt::format("{} images without a partner of the same name are left out", images.alone));
   set_times(folder, images, options.frame_rate ? options.frame_rate : file.frame_rate, recording);
-  recording.ground_truth = find_ground_truth(folder, images, recording.frames);
+  recording.ground_truth = find_ground_truth(folder, images, recording.frames, &recording.notes);
   sort_by_time(recording);
   const SE3 T_left_rectified{camera.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
   for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * T_left_rectified;

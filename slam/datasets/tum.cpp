@@ -112,7 +112,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
         fmt::format("{} images without a partner within {:g} s are left out", alone, kSameTime));
   }
   if (is_present(folder / "groundtruth.txt")) {
-    recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt");
+    recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt", &recording.notes);
   }
   return open_recording(std::move(recording), options);
 }

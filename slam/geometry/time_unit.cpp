@@ -111,8 +111,7 @@ TimeUnit find_time_unit(std::span<const FileTime> times, const TimeRule& rule, s
   if (documented && is_usual(*documented)) return *documented;
   if (calendar && is_possible(*calendar, kSlowest)) return *calendar;
   if (documented && is_possible(*documented, fractions ? kSlowest : kSlowestWhole)) return *documented;
-  const bool counts_frames = !fractions && *step < kCountingStep;
-  if (counts_frames && documented == TimeUnit::seconds) return TimeUnit::seconds;
+  if (!fractions && *step >= 1.0 && *step < kCountingStep) return TimeUnit::seconds;
   for (const TimeUnit unit : kUnits) {
     if (is_usual(unit)) return unit;
   }

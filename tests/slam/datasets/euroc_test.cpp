@@ -73,7 +73,7 @@ TEST_F(Euroc, IsReadFromTheFolderAndFromMav0) {
 TEST_F(Euroc, GroundTruthOfTheBodyBecomesThatOfTheLeftCamera) {
   fs::create_directories(root() / "mav0/state_groundtruth_estimate0");
   const fs::path csv = root() / "mav0/state_groundtruth_estimate0/data.csv";
-  std::string text = "#timestamp, p_RS_R_x [m], ...\n";
+  std::string text = "#timestamp, p_RS_R_x [m], ..., q_RS_w [], q_RS_x [], ...\n";
   // Turned by 90 degrees about z.
   for (int i = 1; i < kFrames; ++i) {
     text += fmt::format("{},{},2,3,0.70710678118,0,0,0.70710678118,0,0,0\n", time(i) + 1'000'000, i);
@@ -89,11 +89,13 @@ TEST_F(Euroc, GroundTruthOfTheBodyBecomesThatOfTheLeftCamera) {
 
   nn::write_file(csv, "1,0,0,0,1,0,0\n");
   expect_refused({"data.csv:1", "at least 8 numbers"});
-  nn::write_file(csv, "1,0,0,0,2,0,0,0\n");
-  expect_refused({"data.csv:1", "a quaternion of length 1"});
-  nn::write_file(csv, "2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n");
-  expect_refused({"data.csv:2", "a time after"});
-  nn::write_file(csv, "1,0,0,0,1,0,0,0\n");
+  nn::write_file(csv, "1,0,0,0,0,0,0,0\n");
+  expect_refused({"data.csv:1", "a quaternion", "length 0"});
+  const std::string header = "#t,x,y,z,qw,qx,qy,qz\n";
+  nn::write_file(csv, header + fmt::format("{},0,0,0,2,0,0,0\n{},0,0,0,1,0,0,0\n", time(1), time(0)));
+  EXPECT_EQ(open_dataset(root())->notes().size(), 2U);  // of length 2, not in the order of time
+  EXPECT_EQ(open_dataset(root())->ground_truth()->size(), 2U);
+  nn::write_file(csv, header + "1,0,0,0,1,0,0,0\n");
   EXPECT_EQ(open_dataset(root())->notes().size(), 1U);  // times that are not the frames'
 }
 
