@@ -129,6 +129,10 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
   recording.depth_factor = file.depth_factor;
   recording.colour =
       colour_of(options.cameras, file.colour.value_or(rgbd) ? nn::ImageColour::bgr : nn::ImageColour::grey);
+  if (!is_present(folder / (rgbd ? "rgb" : "left")) && !is_present(folder / (rgbd ? "depth" : "right"))) {
+    throw InputError(folder.string(), rgbd ? "rgb/ and depth/ with images" : "left/ and right/ with images",
+                     "neither");
+  }
   const ImagePairs images =
       pair_images(folder / (rgbd ? "rgb" : "left"), folder / (rgbd ? "depth" : "right"));
   for (const ImagePair& pair : images.pairs) {
