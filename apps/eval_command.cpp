@@ -21,7 +21,6 @@ constexpr const char* kEvalExamples = R"(Examples:
   penumbra eval --groundtruth poses/00.txt --estimate out/trajectory_kitti.txt
   penumbra eval --groundtruth poses/00.txt --frames 0:100 --estimate out/trajectory_kitti.txt --segments 10,20,30,40,50
   penumbra eval --groundtruth groundtruth.txt --estimate trajectory_tum.txt --align sim3 --json
-  penumbra eval --groundtruth mav0/state_groundtruth_estimate0/data.csv --estimate out/trajectory_tum.txt
   penumbra eval --groundtruth poses/00.txt --estimate a.txt --plot a.png
 
 The numbers are those of evo (evo_ape, evo_rpe) and of the KITTI development kit; see docs/evaluation.md.)";
