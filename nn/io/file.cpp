@@ -111,7 +111,8 @@ void write_file(const fs::path& path, std::string_view bytes, bool durable) {
 void require_writable_folder(const fs::path& folder) {
   const fs::path probe = temporary_name(folder / "probe");
   const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw Error(fmt::format("{}: no file can be written there: {}", folder.string(), last_system_error()));
+  if (file < 0)
+    throw Error(fmt::format("{}: no file can be written there: {}", folder.string(), last_system_error()));
   close(file);
   unlink(probe.c_str());
 }
