@@ -13,6 +13,10 @@ void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const
   command.add_option("--step", arguments.step, "take every n-th frame, as a slower camera would")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command
+      .add_option("--image-bits", arguments.image_bits,
+                  "bits that the camera fills in 16-bit images, such as 10 or 12; found where not given")
+      ->check(CLI::Range(8, 16));
 }
 
 slam::DatasetOptions dataset_options(const DatasetArguments& arguments) {
@@ -20,6 +24,7 @@ slam::DatasetOptions dataset_options(const DatasetArguments& arguments) {
   options.format = slam::parse_dataset_format(arguments.format);
   if (!arguments.frames.empty()) options.frames = slam::parse_frame_range(arguments.frames);
   options.step = arguments.step;
+  options.image_bits = arguments.image_bits;
   return options;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "slam/datasets/open_dataset.h"
@@ -11,10 +12,11 @@ namespace penumbra::apps {
 struct DatasetArguments {
   std::string folder, format = "auto", frames;
   int step = 1;
+  std::optional<int> image_bits;
 };
 
-// Adds the folder itself, described by `help`, and --format, --frames and --step. `arguments` must outlive
-// the command.
+// Adds the folder itself, described by `help`, and --format, --frames, --step and --image-bits. `arguments`
+// must outlive the command.
 void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const std::string& help);
 
 // What they say; errors of --frames as slam::parse_frame_range has them.

@@ -1,6 +1,7 @@
 // penumbra eval-loops: precision and recall of a run's loops, and of the place index by itself.
 
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <map>
@@ -42,7 +43,7 @@ struct EvalLoopsOptions {
 };
 
 nlohmann::json read_json(const std::filesystem::path& path) {
-  const std::string text = nn::read_file(path, "a file that `penumbra slam` wrote");
+  const std::string text = nn::read_text_file(path, "a file that `penumbra slam` wrote");
   nlohmann::json value = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
   return value;
@@ -102,12 +103,15 @@ Run read_run(const std::filesystem::path& folder) {
   return run;
 }
 
-// The true pose of every frame of the run. A KITTI file's line i is frame i of the sequence, a TUM file's
-// lines are found by the frames' times.
+// The true pose of every frame of the run. Of a file without times line i is frame i of the sequence; the
+// lines of others are found by the frames' times.
 slam::Trajectory true_poses(const EvalLoopsOptions& options, const Run& run) {
   const std::vector<int>& frames = run.frames;
-  if (slam::detect_trajectory_format(options.ground_truth) == slam::TrajectoryFormat::kitti) {
-    const slam::Trajectory all = slam::read_kitti_trajectory(options.ground_truth);
+  const slam::TrajectoryFormat format = slam::detect_trajectory_format(options.ground_truth);
+  slam::Notes notes;
+  const slam::Trajectory all = slam::read_trajectory(options.ground_truth, format, &notes);
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+  if (!has_times(format)) {
     slam::Trajectory truth;
     for (const int frame : frames) {
       if (frame < 0 || frame >= static_cast<int>(all.size())) {
@@ -120,8 +124,7 @@ slam::Trajectory true_poses(const EvalLoopsOptions& options, const Run& run) {
   }
   slam::Trajectory estimate;
   for (const double time : run.times) estimate.push_back({time, {}});
-  slam::TrajectoryPair pair =
-      slam::associate_by_time(slam::read_tum_trajectory(options.ground_truth), estimate, 0.05);
+  slam::TrajectoryPair pair = slam::associate_by_time(all, estimate, 0.05);
   if (pair.reference.size() != frames.size()) {
     throw InputError(options.ground_truth,
                      fmt::format("a pose within 0.05 s of each of {} frames", frames.size()),
@@ -130,12 +133,23 @@ slam::Trajectory true_poses(const EvalLoopsOptions& options, const Run& run) {
   return pair.reference;
 }
 
+// A share of `count` things: none where there are none.
+ordered_json share(double value, std::size_t count) {
+  return count == 0 ? ordered_json(nullptr) : ordered_json(value);
+}
+
+// The same for a table: "precision  100.0 %".
+std::string shown_share(const char* name, double value, std::size_t count) {
+  return count == 0 ? fmt::format("{:9} nothing to find", name)
+                    : fmt::format("{:9} {:6.1f} %", name, 100.0 * value);
+}
+
 ordered_json loops_json(const slam::LoopEvaluation& e, const std::vector<int>& frames) {
   const auto frame = [&](int row) { return frames[static_cast<std::size_t>(row)]; };
   ordered_json json;
   json["loops"] = e.loops.size();
   json["correct_loops"] = e.correct_loops();
-  json["precision"] = e.precision();
+  json["precision"] = share(e.precision(), e.loops.size());
   json["regions"] = ordered_json::array();
   for (const slam::RevisitRegion& r : e.regions) {
     json["regions"].push_back({{"first_frame", frame(r.begin)},
@@ -144,10 +158,10 @@ ordered_json loops_json(const slam::LoopEvaluation& e, const std::vector<int>& f
                                {"closed", r.closed}});
   }
   json["closed_regions"] = e.closed_regions();
-  json["region_recall"] = e.region_recall();
+  json["region_recall"] = share(e.region_recall(), e.regions.size());
   json["revisited_keyframes"] = e.revisited_keyframes;
   json["tied_keyframes"] = e.tied_keyframes;
-  json["keyframe_recall"] = e.keyframe_recall();
+  json["keyframe_recall"] = share(e.keyframe_recall(), e.revisited_keyframes);
   json["wrong_loops"] = ordered_json::array();
   for (const slam::LoopEvaluation::Loop& loop : e.loops) {
     if (loop.correct) continue;
@@ -162,18 +176,20 @@ ordered_json loops_json(const slam::LoopEvaluation& e, const std::vector<int>& f
 ordered_json recognition_json(const slam::RecognitionEvaluation& e) {
   return {{"places", e.places},
           {"right_places", e.right_places},
-          {"precision", e.precision()},
+          {"precision", share(e.precision(), e.places)},
           {"recognised_keyframes", e.recognised_keyframes},
-          {"recall", e.recall()}};
+          {"recall", share(e.recall(), e.revisited_keyframes)}};
 }
 
 ordered_json index_json(const slam::PlaceIndexEvaluation& e) {
   ordered_json json;
   json["queries"] = e.queries;
   json["revisits"] = e.revisits;
-  json["recall_at"] = e.recall_at;
-  json["recall_at_full_precision"] = e.recall_at_full_precision;
-  json["average_precision"] = e.average_precision;
+  const bool nothing = e.revisits == 0;
+  json["recall_at"] = nothing ? ordered_json(nullptr) : ordered_json(e.recall_at);
+  json["recall_at_full_precision"] =
+      nothing ? ordered_json(nullptr) : ordered_json(e.recall_at_full_precision);
+  json["average_precision"] = nothing ? ordered_json(nullptr) : ordered_json(e.average_precision);
   json["descriptors"] = e.descriptors;
   json["bytes"] = e.bytes;
   json["median_query_ms"] = e.median_query_ms;
@@ -185,12 +201,15 @@ ordered_json index_json(const slam::PlaceIndexEvaluation& e) {
 
 void print_loops(const slam::LoopEvaluation& e, const std::vector<int>& frames) {
   const auto frame = [&](int row) { return frames[static_cast<std::size_t>(row)]; };
-  fmt::print("loops closed         {:4} of which right {:4}   precision {:6.1f} %\n", e.loops.size(),
-             e.correct_loops(), 100.0 * e.precision());
-  fmt::print("stretches revisited  {:4} with a loop   {:4}   recall    {:6.1f} %\n", e.regions.size(),
-             e.closed_regions(), 100.0 * e.region_recall());
-  fmt::print("keyframes there      {:4} tied together {:4}   recall    {:6.1f} %\n", e.revisited_keyframes,
-             e.tied_keyframes, 100.0 * e.keyframe_recall());
+  fmt::print("loops closed         {:4} of which right {:4}   {}\n", e.loops.size(), e.correct_loops(),
+             shown_share("precision", e.precision(), e.loops.size()));
+  fmt::print("stretches revisited  {:4} with a loop   {:4}   {}\n", e.regions.size(), e.closed_regions(),
+             shown_share("recall", e.region_recall(), e.regions.size()));
+  fmt::print("keyframes there      {:4} tied together {:4}   {}\n", e.revisited_keyframes, e.tied_keyframes,
+             shown_share("recall", e.keyframe_recall(), e.revisited_keyframes));
+  if (e.loops.empty() && e.regions.empty()) {
+    fmt::print("no loop was closed, and the path comes to no place twice: there was nothing to find\n");
+  }
   for (const slam::RevisitRegion& r : e.regions) {
     fmt::print("  frames {:5} to {:5} go where {:5} went: {}\n", frame(r.begin), frame(r.end - 1),
                frame(r.earlier), r.closed ? "closed" : "not closed");
@@ -206,14 +225,18 @@ void print_recognition(const slam::RecognitionEvaluation& e) {
   if (e.places == 0) return;
   fmt::print("places proven        {:4} of which right {:4}   precision {:6.1f} %\n", e.places,
              e.right_places, 100.0 * e.precision());
-  fmt::print("keyframes there      {:4} proven        {:4}   recall    {:6.1f} %\n", e.revisited_keyframes,
-             e.recognised_keyframes, 100.0 * e.recall());
+  fmt::print("keyframes there      {:4} proven        {:4}   {}\n", e.revisited_keyframes,
+             e.recognised_keyframes, shown_share("recall", e.recall(), e.revisited_keyframes));
 }
 
 void print_index(const slam::PlaceIndexEvaluation& e) {
   fmt::print(
       "\nplace index by itself: {} queries, {} revisits; {} descriptors, {:.1f} MB, {:.2f} ms a query\n",
       e.queries, e.revisits, e.descriptors, static_cast<double>(e.bytes) / 1048576.0, e.median_query_ms);
+  if (e.revisits == 0) {
+    fmt::print("  no keyframe shows an earlier place: there was nothing to find\n");
+    return;
+  }
   for (std::size_t k = 0; k < e.recall_at.size(); ++k) {
     fmt::print("  right among the best {}: {:5.1f} %\n", k + 1, 100.0 * e.recall_at[k]);
   }
@@ -281,7 +304,7 @@ void add_eval_loops_command(CLI::App& app) {
   command->add_option("run", options->run, "the --out folder of the run")->required();
   command
       ->add_option("--groundtruth", options->ground_truth,
-                   "true poses of the whole sequence, KITTI or TUM format")
+                   "true poses of the whole sequence, in any format of `penumbra eval`")
       ->required();
   command->add_option("--map", options->map, "the run's saved map: also evaluate the place index by itself");
   command

@@ -20,7 +20,7 @@ using ClassNames = std::map<int, std::string>;
 ClassNames read_class_names(const std::filesystem::path& folder) {
   std::filesystem::path path = folder / "instances.json";
   if (!std::filesystem::exists(path)) path = folder.lexically_normal().parent_path() / "instances.json";
-  const std::string text = nn::read_file(path, "the classes of the instances");
+  const std::string text = nn::read_text_file(path, "the classes of the instances");
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   const std::string expected = R"(an object of {"NUMBER": {"class": NAME}})";
   if (!json.is_object()) throw InputError(path.string(), expected, "something else, or a torn file");

@@ -36,7 +36,7 @@ std::string base64(std::string_view bytes) {
 }
 
 json read_json(const std::filesystem::path& path) {
-  const std::string text = nn::read_file(path, "a file that `penumbra slam` wrote");
+  const std::string text = nn::read_text_file(path, "a file that `penumbra slam` wrote");
   json value = json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
   return value;

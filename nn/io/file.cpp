@@ -29,6 +29,32 @@ fs::path temporary_name(const fs::path& path) {
   return name;
 }
 
+// The encoding that `text` gives away by its first bytes, if it is one whose bytes are no text to us; else
+// null.
+const char* foreign_encoding(std::string_view text) {
+  using namespace std::string_view_literals;
+  if (text.starts_with("\xFF\xFE\0\0"sv) || text.starts_with("\0\0\xFE\xFF"sv)) return "UTF-32";
+  if (text.starts_with("\xFF\xFE"sv) || text.starts_with("\xFE\xFF"sv)) return "UTF-16";
+  // Without a mark: texts of ours begin with ASCII, of which UTF-16 makes pairs with one zero byte.
+  const bool is_pair = text.size() >= 2 && (text[0] == '\0') != (text[1] == '\0');
+  return is_pair ? "UTF-16" : nullptr;
+}
+
+// "\r\n" and '\r' become '\n', in place.
+void unify_line_ends(std::string& text) {
+  std::size_t to = text.find('\r');
+  if (to == std::string::npos) return;
+  for (std::size_t from = to; from < text.size(); ++from) {
+    if (text[from] == '\r') {
+      if (from + 1 < text.size() && text[from + 1] == '\n') continue;
+      text[to++] = '\n';
+    } else {
+      text[to++] = text[from];
+    }
+  }
+  text.resize(to);
+}
+
 }  // namespace
 
 std::string read_file(const fs::path& path, std::string_view expected) {
@@ -48,6 +74,18 @@ std::string read_file(const fs::path& path, std::string_view expected) {
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!file) throw InputError(path.string(), expected, "a file that cannot be read to its end");
   return bytes;
+}
+
+std::string read_text_file(const fs::path& path, std::string_view expected) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  std::string text = read_file(path, expected);
+  if (const char* encoding = foreign_encoding(text); encoding != nullptr) {
+    throw InputError(path.string(), fmt::format("{}, as UTF-8 text", expected),
+                     fmt::format("{} text (iconv -f {} -t UTF-8 converts it)", encoding, encoding));
+  }
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  unify_line_ends(text);
+  return text;
 }
 
 void write_file(const fs::path& path, std::string_view bytes, bool durable) {
@@ -73,7 +111,8 @@ void write_file(const fs::path& path, std::string_view bytes, bool durable) {
 void require_writable_folder(const fs::path& folder) {
   const fs::path probe = temporary_name(folder / "probe");
   const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw Error(fmt::format("{}: no file can be written there: {}", folder.string(), last_system_error()));
+  if (file < 0)
+    throw Error(fmt::format("{}: no file can be written there: {}", folder.string(), last_system_error()));
   close(file);
   unlink(probe.c_str());
 }

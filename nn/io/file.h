@@ -12,10 +12,15 @@ namespace penumbra::nn {
 // more; `expected` names what was wanted in the message, such as "a PNG or JPEG image".
 std::string read_file(const std::filesystem::path& path, std::string_view expected);
 
+// The text of such a file, as all editors of all systems write it: a UTF-8 byte order mark is left out, and
+// lines end in '\n' where the file has "\r\n" or '\r'. Throws InputError as read_file does, and for UTF-16
+// and UTF-32, which it names. Other encodings are handed on as they are.
+std::string read_text_file(const std::filesystem::path& path, std::string_view expected);
+
 // Writes `bytes` under a temporary name in the same folder and renames it: a reader sees the old file or the
 // whole new one, never a part, also after a power cut (`durable`; without it the file is on the disk when the
-// system finds time, which is enough for what can be made again). Throws Error where the folder is missing, not
-// writable or full.
+// system finds time, which is enough for what can be made again). Throws Error where the folder is missing,
+// not writable or full.
 void write_file(const std::filesystem::path& path, std::string_view bytes, bool durable = true);
 
 // Throws Error unless a file can be written in `folder`; leaves nothing there.

@@ -171,7 +171,7 @@ std::string JsonEntry::place() const {
 
 void for_each_json_entry(const std::filesystem::path& path, const std::vector<std::string>& sections,
                          const JsonEntryHandler& handler) {
-  const std::string text = read_file(path, "a JSON file");
+  const std::string text = read_text_file(path, "a JSON file");
   const std::string file = path.string();
   // The parser takes a zero byte for the end of its input and would ignore what follows.
   const std::size_t zero = text.find('\0');

@@ -46,7 +46,10 @@ std::vector<double> parse_numbers(std::string_view text, std::string_view place)
   }
 }
 
-std::optional<NumberLine> NumberFileReader::next() {
+LineReader::LineReader(const std::filesystem::path& path, std::string_view expected)
+    : path_(path.string()), text_(read_text_file(path, expected)) {}
+
+std::optional<std::string_view> LineReader::next() {
   while (start_ < text_.size()) {
     const std::size_t end = std::min(text_.find('\n', start_), text_.size());
     const std::string_view content = std::string_view(text_).substr(start_, end - start_);
@@ -54,15 +57,21 @@ std::optional<NumberLine> NumberFileReader::next() {
     ++line_;
     const std::size_t first = content.find_first_not_of(kBlank);
     if (first == std::string_view::npos || content[first] == '#') continue;
-    return NumberLine{line_, parse_numbers(content, place())};
+    return content.substr(first, content.find_last_not_of(kBlank) - first + 1);
   }
   return std::nullopt;
 }
 
-NumberFileReader::NumberFileReader(const std::filesystem::path& path, std::string_view record)
-    : path_(path.string()), text_(read_file(path, fmt::format("a text file with {} in each line", record))) {}
+std::string LineReader::place() const { return fmt::format("{}:{}", path_, line_); }
 
-std::string NumberFileReader::place() const { return fmt::format("{}:{}", path_, line_); }
+NumberFileReader::NumberFileReader(const std::filesystem::path& path, std::string_view record)
+    : lines_(path, fmt::format("a text file with {} in each line", record)) {}
+
+std::optional<NumberLine> NumberFileReader::next() {
+  const std::optional<std::string_view> line = lines_.next();
+  if (!line) return std::nullopt;
+  return NumberLine{lines_.line(), parse_numbers(*line, place())};
+}
 
 std::vector<NumberLine> read_number_file(const std::filesystem::path& path, int columns,
                                          std::string_view record) {

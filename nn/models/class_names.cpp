@@ -54,7 +54,7 @@ NameList listed_names(const StateDict& weights, const std::filesystem::path& fil
   NameList list;
   const auto listed = weights.metadata.find("classes");
   if (!file.empty()) {
-    list = {split(read_file(file, "a list of class names"), "\n"), file.string()};
+    list = {split(read_text_file(file, "a list of class names"), "\n"), file.string()};
   } else if (listed != weights.metadata.end()) {
     const bool has_lines = listed->second.find('\n') != std::string::npos;  // then names may hold commas
     list = {split(listed->second, has_lines ? "\n" : ","), weights.source + ", metadata classes"};

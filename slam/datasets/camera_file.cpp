@@ -3,78 +3,80 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <initializer_list>
+#include <string_view>
+#include <vector>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
-#include "nn/io/image_container.h"
+#include "slam/datasets/calibration_writer.h"
+#include "slam/datasets/camera_keys.h"
+#include "slam/datasets/lens_reader.h"
 #include "slam/geometry/trajectory_io.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-int read_pixels(const YamlFile& yaml, const std::string& key) {
-  if (!yaml.has(key)) return 0;
-  const double value = yaml.number_above_zero(key);
-  if (value != std::floor(value) || value > 65535.0) {
-    throw InputError(yaml.place(key), "a whole number of pixels", fmt::format("{:g}", value));
-  }
-  return static_cast<int>(value);
-}
-
-void read_size(const YamlFile& yaml, int& width, int& height) {
-  width = read_pixels(yaml, "width");
-  height = read_pixels(yaml, "height");
-  if ((width > 0) != (height > 0)) throw InputError(yaml.place("width"), "width and height", "one of them");
-  if (static_cast<long>(width) * height > nn::kMaxImagePixels) {
-    throw InputError(yaml.place("width"), "an image that can be", fmt::format("{} x {}", width, height));
-  }
-}
-
-// fx, fy, cx, cy and the distortion, where there is one; `prefix` is "left." or "right.", or "".
-LensCamera read_lens(const YamlFile& yaml, const std::string& prefix) {
-  LensCamera lens;
-  read_size(yaml, lens.width, lens.height);
-  lens.fx = yaml.number_above_zero(prefix + "fx");
-  lens.fy = yaml.number_above_zero(prefix + "fy");
-  lens.cx = yaml.number(prefix + "cx");
-  lens.cy = yaml.number(prefix + "cy");
-  const std::string distortion = prefix + "distortion";
-  if (yaml.has(distortion)) {
-    set_lens_model(lens, yaml.text_or(prefix + "distortion_model", "radial-tangential"),
-                   yaml.numbers(distortion), yaml.place(distortion));
-    if (lens.width == 0) {
-      throw InputError(yaml.place(distortion), "width and height of the images, to undo the distortion",
-                       "neither");
+// Refuses keys that would be of no effect where they stand.
+void refuse(const YamlFile& yaml, std::string_view expected, std::initializer_list<const char*> keys) {
+  for (const std::string& key : yaml.keys()) {
+    for (const char* refused : keys) {
+      if (key == refused || key.starts_with(std::string(refused) + "."))
+        throw InputError(yaml.place(key), expected, fmt::format("'{}'", printable(key, 40)));
     }
   }
-  return lens;
 }
 
 void read_stereo(const YamlFile& yaml, CameraFile& file) {
+  refuse(yaml, "sensor: rgbd for a camera with depth", {"depth_factor", "depth_scale"});
   file.rectified = !yaml.has("rectified") || yaml.flag("rectified");
   if (file.rectified) {
+    refuse(yaml, "rectified: false for two raw cameras", {"left", "right", "T_right_left", "T_left_right"});
     file.left = read_lens(yaml, "");
-    file.baseline = yaml.number_above_zero("baseline");
+    const std::string key = one_of(yaml, {"baseline", "bf"});
+    file.baseline = yaml.number_above_zero(key) / (key == "bf" ? file.left.fx : 1.0);
+    if (!(file.baseline > 0.0 && std::isfinite(file.baseline))) {
+      throw InputError(yaml.place(key), "a baseline above 0", fmt::format("{:g} m", file.baseline));
+    }
     if (!file.left.distortion.empty()) {
-      throw InputError(yaml.place("distortion"), "no distortion in rectified images (or 'rectified: false')",
-                       "coefficients");
+      throw InputError(yaml.place(yaml.has("distortion") ? "distortion" : "k1"),
+                       "no distortion in rectified images (or 'rectified: false')", "coefficients");
     }
     return;
   }
+  refuse(yaml, "left: and right: with the values of each raw camera",
+         {"fx", "fy", "cx", "cy", "intrinsics", "camera_matrix", "camera_model", "distortion",
+          "distortion_model", "k1", "k2", "k3", "k4", "p1", "p2"});
+  refuse(yaml, "T_right_left, which holds the baseline", {"baseline", "bf"});
   file.left = read_lens(yaml, "left.");
   file.right = read_lens(yaml, "right.");
-  file.T_right_left = read_transform(yaml, "T_right_left");
-  file.place = yaml.place("T_right_left");
+  const std::string key = one_of(yaml, {"T_right_left", "T_left_right"});
+  file.T_right_left = read_transform(yaml, key);
+  if (key == "T_left_right") file.T_right_left = file.T_right_left.inverse();
+  file.place = yaml.place(key);
   if (file.left.width == 0) {
     throw InputError(yaml.place("width"), "width and height of the images, to rectify them", "neither");
   }
 }
 
+// Levels a metre. A depth_scale below 1 is the metres of a level, as RealSense's tools have it.
+double read_depth_factor(const YamlFile& yaml) {
+  const std::string key = one_of(yaml, {"depth_factor", "depth_scale"});
+  const double value = yaml.number_above_zero(key);
+  if (value >= 1.0) return value;
+  constexpr double kFinest = 1e-6;  // metres a level; finer is no camera's
+  if (key == "depth_scale" && value >= kFinest) return 1.0 / value;
+  throw InputError(yaml.place(key), fmt::format("levels a metre, at least 1 (such as {:g})", 1.0 / value),
+                   fmt::format("{:g}", value));
+}
+
 void read_rgbd(const YamlFile& yaml, CameraFile& file) {
+  refuse(yaml, "sensor: stereo for two cameras",
+         {"left", "right", "T_right_left", "T_left_right", "bf", "rectified"});
   file.left = read_lens(yaml, "");
   file.baseline = yaml.has("baseline") ? yaml.number_above_zero("baseline") : kNominalBaseline;
-  file.depth_factor = yaml.number_above_zero("depth_factor");
+  file.depth_factor = read_depth_factor(yaml);
 }
 
 }  // namespace
@@ -102,11 +104,16 @@ SE3 read_transform(const YamlFile& yaml, const std::string& key) {
   return T;
 }
 
-CameraFile read_camera_file(const std::filesystem::path& path) {
-  const YamlFile yaml(path);
+namespace {
+
+// The keys of `path`, which must be ours.
+CameraFile read_own_file(const std::filesystem::path& path) {
+  YamlFile yaml(path);
+  use_camera_keys(yaml);
   CameraFile file;
   file.place = path.string();
-  const std::string sensor = yaml.text_or("sensor", yaml.has("depth_factor") ? "rgbd" : "stereo");
+  const std::string sensor =
+      yaml.text_or("sensor", yaml.has("depth_factor") || yaml.has("depth_scale") ? "rgbd" : "stereo");
   if (sensor == "rgbd") {
     file.sensor = Sensor::rgbd;
     read_rgbd(yaml, file);
@@ -118,6 +125,19 @@ CameraFile read_camera_file(const std::filesystem::path& path) {
   if (yaml.has("colour")) file.colour = yaml.flag("colour");
   if (yaml.has("rate")) file.frame_rate = yaml.number_above_zero("rate");
   return file;
+}
+
+}  // namespace
+
+CameraFile read_camera_file(const std::filesystem::path& path) {
+  try {
+    return read_own_file(path);
+  } catch (const InputError& error) {
+    const std::string writer = calibration_writer(path);
+    if (writer.empty()) throw;
+    throw InputError(path.string(), "a calibration.yaml as docs/datasets.md describes it",
+                     fmt::format("what looks like {}. {}", writer, error.what()));
+  }
 }
 
 RecordedCamera make_camera(const CameraFile& file) {

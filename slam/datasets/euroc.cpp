@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 constexpr double kSameTime = 1e-3;  // seconds, between the images of a pair
 
 // T_WB, wherever it is written; empty where it is nowhere.
-Trajectory find_ground_truth(const fs::path& mav) {
+Trajectory find_ground_truth(const fs::path& mav, Notes* notes) {
   const fs::path estimate = mav / "state_groundtruth_estimate0" / "data.csv";
-  if (is_present(estimate)) return read_euroc_ground_truth(estimate);
+  if (is_present(estimate)) return read_euroc_trajectory(estimate, notes);
   for (const fs::path& file : {mav.parent_path() / "groundtruth_tum.txt", mav / "groundtruth_tum.txt"}) {
-    if (is_present(file)) return read_tum_trajectory(file);
+    if (is_present(file)) return read_tum_trajectory(file, notes);
   }
   return {};
 }
@@ -53,8 +53,10 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
   recording.left = rectification.left;
   recording.right = rectification.right;
   recording.colour = colour_of(options.cameras, nn::ImageColour::grey);
-  const std::vector<ListedImage> left_images = read_euroc_image_list(folders[0] / "data.csv");
-  const std::vector<ListedImage> right_images = read_euroc_image_list(folders[1] / "data.csv");
+  const ImageList left_list = read_euroc_image_list(folders[0] / "data.csv");
+  const ImageList right_list = read_euroc_image_list(folders[1] / "data.csv");
+  const std::vector<ListedImage>&left_images = left_list.images, &right_images = right_list.images;
+  recording.notes = joined_notes(left_list, right_list);
   for (const auto& [l, r] : associate_times(times_of(left_images), times_of(right_images), kSameTime)) {
     recording.frames.push_back({static_cast<int>(recording.frames.size()), left_images[l].timestamp,
                                 folders[0] / "data" / left_images[l].name,
@@ -69,7 +71,7 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
         fmt::format("{} images without a partner of the same time are left out", alone));
   const SE3 T_B_rectified =
       left.T_BS * SE3{rectification.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
-  recording.ground_truth = find_ground_truth(mav);
+  recording.ground_truth = find_ground_truth(mav, &recording.notes);
   for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * T_B_rectified;
   return open_recording(std::move(recording), options);
 }

@@ -1,13 +1,33 @@
 #include "slam/datasets/folder_listing.h"
 
 #include <algorithm>
+#include <cctype>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "nn/base/error.h"
+#include "nn/base/natural_order.h"
 
 namespace penumbra::slam {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kRead[] = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp"};
+constexpr std::string_view kForeign[] = {".tif", ".tiff", ".webp", ".gif", ".jp2", ".jxl", ".exr", ".heic"};
+
+std::string small_letters(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool ends_in_one_of(const fs::path& path, std::span<const std::string_view> endings) {
+  return std::find(endings.begin(), endings.end(), small_letters(path.extension().string())) != endings.end();
+}
+
+}  // namespace
 
 bool is_folder(const fs::path& path) {
   std::error_code error;
@@ -19,14 +39,22 @@ bool is_present(const fs::path& path) {
   return fs::exists(path, error);
 }
 
+bool is_debris(const fs::path& path) {
+  const std::string name = small_letters(path.filename().string());
+  return name.starts_with("._") || name == ".ds_store" || name == "thumbs.db" || name == "desktop.ini" ||
+         name == "@eadir" || name == "__macosx";
+}
+
 std::vector<fs::path> list_folder(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    entries.push_back(entry->path());
+    if (!is_debris(entry->path())) entries.push_back(entry->path());
   }
   if (error) throw InputError(folder.string(), "a folder", error.message());
-  std::sort(entries.begin(), entries.end());
+  std::sort(entries.begin(), entries.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
   return entries;
 }
 
@@ -35,12 +63,19 @@ std::vector<fs::path> list_images(const fs::path& folder) {
     throw InputError(folder.string(), "a folder of images", is_present(folder) ? "a file" : "nothing");
   }
   std::vector<fs::path> images;
+  fs::path foreign;
   for (const fs::path& entry : list_folder(folder)) {
-    const std::string ending = entry.extension().string();
-    if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") images.push_back(entry);
+    if (ends_in_one_of(entry, kRead)) images.push_back(entry);
+    if (foreign.empty() && ends_in_one_of(entry, kForeign)) foreign = entry.extension();
   }
-  if (images.empty()) throw InputError(folder.string(), "images (.png or .jpg)", "none");
-  return images;
+  if (!images.empty()) return images;
+  constexpr std::string_view kExpected = "images (.png, .jpg, .pgm, .ppm or .bmp)";
+  if (!foreign.empty()) {
+    throw InputError(folder.string(), kExpected,
+                     fmt::format("only {} (ImageMagick converts them: mogrify -format png '{}'/*{})",
+                                 foreign.string(), folder.string(), foreign.string()));
+  }
+  throw InputError(folder.string(), kExpected, "none");
 }
 
 void require_dataset_folder(const fs::path& path) {

@@ -9,11 +9,17 @@ namespace penumbra::slam {
 bool is_folder(const std::filesystem::path& path);
 bool is_present(const std::filesystem::path& path);
 
-// Entries of a folder, sorted by name. Throws InputError where it cannot be listed.
+// What systems leave behind in folders: ._NAME and .DS_Store (macOS), Thumbs.db and desktop.ini (Windows),
+// @eaDir (network storage), __MACOSX (zip archives).
+bool is_debris(const std::filesystem::path& path);
+
+// Entries of a folder without debris, sorted by name: 0, 1, 2, 10 (nn/base/natural_order.h). Throws
+// InputError where it cannot be listed.
 std::vector<std::filesystem::path> list_folder(const std::filesystem::path& folder);
 
-// The images (.png, .jpg, .jpeg) of a folder, sorted by name; other files are left out. Throws InputError for
-// something that is no folder or has no images.
+// The images (.png, .jpg, .jpeg, .pgm, .ppm, .bmp, in small letters or capitals) of a folder, in that order;
+// other files are left out. Throws InputError for something that is no folder or has no images, and where its
+// images are of a kind that is not read, with the command that converts them.
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 
 // Throws InputError unless `path` is a folder with something in it.

@@ -3,17 +3,18 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
-#include <set>
 #include <string>
+#include <vector>
 
 #include "nn/base/error.h"
-#include "nn/base/text.h"
 #include "nn/io/number_file.h"
 #include "slam/datasets/camera_file.h"
 #include "slam/datasets/folder_listing.h"
+#include "slam/datasets/image_pairs.h"
+#include "slam/datasets/named_times.h"
 #include "slam/datasets/recorded_sequence.h"
+#include "slam/geometry/time_unit.h"
 #include "slam/geometry/trajectory_io.h"
 
 namespace penumbra::slam {
@@ -22,89 +23,89 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kNanosecondDigits = 15;
+// Lines of a file about the images, of which some have no partner.
+struct LinePlace {
+  const char* of = nullptr;  // whose place in its order says the line
+  std::size_t (*line)(const ImagePairs&, std::size_t pair) = nullptr;
+};
 
-// Seconds, where the name of an image is a time.
-std::optional<double> time_in_name(const std::string& stem) {
-  const bool digits_only = stem.find_first_not_of("0123456789") == std::string::npos;
-  const bool seconds = !digits_only && stem.find_first_not_of("0123456789.") == std::string::npos;
-  if (!seconds && !(digits_only && stem.size() >= kNanosecondDigits)) return std::nullopt;
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
-  if (error != std::errc() || end != stem.data() + stem.size()) return std::nullopt;
-  return seconds ? value : 1e-9 * value;
+// By the number of lines: one for every left image, for every name in either folder, or for every pair.
+// Throws InputError where it is neither.
+LinePlace find_lines(const fs::path& file, std::size_t lines, const char* what, const ImagePairs& images) {
+  if (lines == images.first.size())
+    return {"left image", [](const ImagePairs& i, std::size_t pair) { return i.pairs[pair].first; }};
+  if (lines == images.names)
+    return {"name in either folder",
+            [](const ImagePairs& i, std::size_t pair) { return i.pairs[pair].place; }};
+  if (lines == images.pairs.size())
+    return {"image with a partner", [](const ImagePairs&, std::size_t pair) { return pair; }};
+  std::string expected = fmt::format("{} of {} frames", what, images.first.size());
+  if (images.alone > 0) expected += fmt::format(" (or of the {} with a partner)", images.pairs.size());
+  throw InputError(file.string(), expected, fmt::format("{}", lines));
 }
 
-void pair_images(const fs::path& first, const fs::path& second, Recording& recording) {
-  const std::vector<fs::path> left = list_images(first), right = list_images(second);
-  std::size_t r = 0, alone = 0;
-  for (const fs::path& image : left) {
-    const std::string stem = image.stem().string();
-    while (r < right.size() && right[r].stem().string() < stem) {
-      ++r;
-      ++alone;
-    }
-    if (r < right.size() && right[r].stem().string() == stem) {
-      recording.frames.push_back({static_cast<int>(recording.frames.size()), 0.0, image, right[r++]});
-    } else {
-      ++alone;
+std::vector<double> read_times(const fs::path& file, const ImagePairs& images, Recording& recording) {
+  std::vector<FileTime> lines;
+  std::vector<int> numbers;  // of the lines
+  nn::LineReader reader(file, "a text file with a time in each line");
+  while (const std::optional<std::string_view> line = reader.next()) {
+    lines.push_back(parse_file_time(*line, reader.place()));
+    numbers.push_back(reader.line());
+  }
+  const LinePlace place = find_lines(file, lines.size(), "times", images);
+  if (images.alone > 0)
+    recording.notes.push_back(fmt::format("{}: one line for every {}", file.string(), place.of));
+  const std::vector<double> all = to_seconds(lines, kCameraSeconds, file.string(), recording.notes);
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (all[i] < all[i - 1]) {
+      throw InputError(fmt::format("{}:{}", file.string(), numbers[i]),
+                       fmt::format("a time after {:.6f} s", all[i - 1]), fmt::format("{:.6f} s", all[i]));
     }
   }
-  alone += right.size() - r;
-  if (recording.frames.empty()) {
-    throw InputError(second.string(), fmt::format("images of the same names as in {}", first.string()),
-                     fmt::format("none, such as '{}'", printable(right.front().filename().string(), 40)));
-  }
-  if (alone > 0)
-    recording.notes.push_back(
-        fmt::format("{} images without a partner of the same name are left out", alone));
+  std::vector<double> times;
+  for (std::size_t pair = 0; pair < images.pairs.size(); ++pair)
+    times.push_back(all[place.line(images, pair)]);
+  return times;
 }
 
-void set_times(const fs::path& folder, std::optional<double> rate, std::vector<RecordedFrame>& frames) {
+void set_times(const fs::path& folder, const ImagePairs& images, std::optional<double> rate,
+               Recording& recording) {
   const fs::path file = folder / "times.txt";
-  if (is_present(file)) {
-    const std::vector<nn::NumberLine> lines = nn::read_number_file(file, 1, "a time in seconds");
-    if (lines.size() != frames.size()) {
-      throw InputError(file.string(), fmt::format("times of {} frames", frames.size()),
-                       fmt::format("{}", lines.size()));
-    }
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      frames[i].timestamp = lines[i].values.front();
-      if (i > 0 && !(frames[i].timestamp > frames[i - 1].timestamp)) {
-        throw InputError(fmt::format("{}:{}", file.string(), lines[i].line),
-                         fmt::format("a time after {:g} s", frames[i - 1].timestamp),
-                         fmt::format("{:g} s", frames[i].timestamp));
-      }
-    }
-    return;
+  const std::vector<double> named =
+      is_present(file) ? read_times(file, images, recording) : times_in_names(images, recording.notes);
+  if (named.empty() && !rate) {
+    throw InputError(
+        folder.string(),
+        "times.txt, images named by their times, or 'rate: HZ' in calibration.yaml (or --rate HZ)",
+        "none of them");
   }
-  const bool named = std::all_of(frames.begin(), frames.end(), [](const RecordedFrame& f) {
-    return time_in_name(f.left.stem().string()).has_value();
-  });
-  if (!named && !rate) {
-    throw InputError(folder.string(),
-                     "times.txt, images named by their times, or 'rate: HZ' in calibration.yaml",
-                     "none of them");
-  }
-  if (!named && !(*rate > 0.0))
+  if (named.empty() && !(*rate > 0.0))
     throw UsageError(fmt::format("frame rate {:g}: expected more than 0 Hz", *rate));
-  for (RecordedFrame& f : frames) {
-    f.timestamp = named ? *time_in_name(f.left.stem().string()) : static_cast<double>(f.index) / *rate;
+  for (std::size_t i = 0; i < images.pairs.size(); ++i) {
+    recording.frames[i].timestamp =
+        named.empty() ? static_cast<double>(images.pairs[i].place) / *rate : named[i];
   }
 }
 
-Trajectory find_ground_truth(const fs::path& folder, const std::vector<RecordedFrame>& frames) {
-  if (is_present(folder / "groundtruth.txt")) return read_tum_trajectory(folder / "groundtruth.txt");
+Trajectory find_ground_truth(const fs::path& folder, const ImagePairs& images,
+                             const std::vector<RecordedFrame>& frames, Notes* notes) {
+  if (is_present(folder / "groundtruth.txt")) return read_tum_trajectory(folder / "groundtruth.txt", notes);
   const fs::path file = folder / "poses.txt";
   if (!is_present(file)) return {};
   const std::vector<SE3> poses = read_kitti_poses(file);
-  if (poses.size() != frames.size()) {
-    throw InputError(file.string(), fmt::format("poses of {} frames", frames.size()),
-                     fmt::format("{}", poses.size()));
-  }
+  const LinePlace place = find_lines(file, poses.size(), "poses", images);
   Trajectory truth;
-  for (std::size_t i = 0; i < frames.size(); ++i) truth.push_back({frames[i].timestamp, poses[i]});
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    truth.push_back({frames[i].timestamp, poses[place.line(images, i)]});
+  }
   return truth;
+}
+
+// Names that are times with a varying number of decimals (12.5, 12.25) do not stand in the order of time.
+void sort_by_time(Recording& recording) {
+  const auto is_earlier = [](const auto& a, const auto& b) { return a.timestamp < b.timestamp; };
+  std::stable_sort(recording.frames.begin(), recording.frames.end(), is_earlier);
+  std::stable_sort(recording.ground_truth.begin(), recording.ground_truth.end(), is_earlier);
 }
 
 }  // namespace
@@ -128,9 +129,22 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
   recording.depth_factor = file.depth_factor;
   recording.colour =
       colour_of(options.cameras, file.colour.value_or(rgbd) ? nn::ImageColour::bgr : nn::ImageColour::grey);
-  pair_images(folder / (rgbd ? "rgb" : "left"), folder / (rgbd ? "depth" : "right"), recording);
-  set_times(folder, options.frame_rate ? options.frame_rate : file.frame_rate, recording.frames);
-  recording.ground_truth = find_ground_truth(folder, recording.frames);
+  if (!is_present(folder / (rgbd ? "rgb" : "left")) && !is_present(folder / (rgbd ? "depth" : "right"))) {
+    throw InputError(folder.string(), rgbd ? "rgb/ and depth/ with images" : "left/ and right/ with images",
+                     "neither");
+  }
+  const ImagePairs images =
+      pair_images(folder / (rgbd ? "rgb" : "left"), folder / (rgbd ? "depth" : "right"));
+  for (const ImagePair& pair : images.pairs) {
+    recording.frames.push_back(
+        {static_cast<int>(pair.first), 0.0, images.first[pair.first].path, images.second[pair.second].path});
+  }
+  if (images.alone > 0)
+    recording.notes.push_back(
+        fmt::format("{} images without a partner of the same name are left out", images.alone));
+  set_times(folder, images, options.frame_rate ? options.frame_rate : file.frame_rate, recording);
+  recording.ground_truth = find_ground_truth(folder, images, recording.frames, &recording.notes);
+  sort_by_time(recording);
   const SE3 T_left_rectified{camera.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
   for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * T_left_rectified;
   return open_recording(std::move(recording), options);

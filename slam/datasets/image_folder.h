@@ -1,15 +1,17 @@
 // Folders of images from any camera, with a calibration.yaml: see docs/datasets.md.
 //
 //   calibration.yaml        the camera (slam/datasets/camera_file.h)
-//   left/, right/           stereo pairs: images of the same name, whatever their ending
+//   left/, right/           stereo pairs: images of the same name (slam/datasets/image_pairs.h)
 //   rgb/, depth/            or, RGB-D: images of the same name; depth are 16-bit PNGs
-//   times.txt               optional: seconds, one line a frame
-//   groundtruth.txt         optional: TUM trajectory of the left camera; or poses.txt, KITTI's, a line a
-//   frame
+//   times.txt               optional: one line a left image, in the order of their names
+//   groundtruth.txt         optional: TUM trajectory of the left camera; or poses.txt, KITTI's, likewise a
+//   line
+//                           a left image
 //
-// Frames are in the order of their names. Times come from times.txt; or from names that are whole numbers of
-// at least 15 digits (nanoseconds) or numbers with a point (seconds); or from the frame rate, `rate` in the
-// calibration or `options.frame_rate`.
+// Frames are in the order of their names, 2 before 10. Times come from times.txt; or from names that are
+// whole numbers (a clock's, of at least 10 digits) or numbers with a point; or from the frame rate, `rate` in
+// the calibration or `options.frame_rate`. The unit of times: slam/geometry/time_unit.h. A time belongs to
+// the image's place before images without a partner are left out, so that a lost image shifts no others.
 #pragma once
 
 #include <filesystem>

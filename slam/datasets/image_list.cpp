@@ -1,13 +1,13 @@
 #include "slam/datasets/image_list.h"
 
 #include <algorithm>
-#include <charconv>
+#include <optional>
 #include <string_view>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
-#include "nn/io/file.h"
 #include "nn/io/number_file.h"
+#include "slam/geometry/time_unit.h"
 
 namespace penumbra::slam {
 
@@ -28,66 +28,77 @@ bool stays_in_folder(std::string_view name) {
          name.find('\0') == std::string_view::npos;
 }
 
-// Nanoseconds since 1970 need more digits than a double has: the fraction is added last.
-double parse_nanoseconds(std::string_view text, const std::string& place) {
-  long long value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 0) {
-    throw InputError(place, "a time in whole nanoseconds",
-                     fmt::format("'{}'", printable(text, kLongestQuote)));
-  }
-  constexpr long long kSecond = 1'000'000'000;
-  return static_cast<double>(value / kSecond) + 1e-9 * static_cast<double>(value % kSecond);
-}
+// The form of a list.
+struct Form {
+  const char* line;
+  std::string_view separators;
+  TimeRule times;
+};
+constexpr Form kTum{"SECONDS NAME", " \t", kCameraSeconds};
+constexpr Form kEuroc{"NANOSECONDS,NAME", ",", kCameraNanoseconds};
 
-double parse_seconds(std::string_view text, const std::string& place) {
-  const std::vector<double> numbers = nn::parse_numbers(text, place);
-  if (numbers.size() != 1) throw InputError(place, "a time in seconds", "nothing");
-  return numbers.front();
-}
-
-std::vector<ListedImage> read_list(const std::filesystem::path& path, std::string_view separators,
-                                   const char* form,
-                                   double (*parse_time)(std::string_view, const std::string&)) {
-  const std::string text = nn::read_file(path, fmt::format("a list of images ({} a line)", form));
-  std::vector<ListedImage> images;
-  int line = 0;
-  for (std::size_t start = 0; start < text.size();) {
-    const std::size_t stop = std::min(text.find('\n', start), text.size());
-    const std::string_view content = trimmed(std::string_view(text).substr(start, stop - start));
-    start = stop + 1;
-    ++line;
-    if (content.empty() || content.front() == '#') continue;
-    const std::string place = fmt::format("{}:{}", path.string(), line);
-    const std::size_t split = content.find_first_of(separators);
-    if (split == std::string_view::npos) {
-      throw InputError(place, form, fmt::format("'{}'", printable(content, kLongestQuote)));
-    }
-    ListedImage image;
-    image.timestamp = parse_time(trimmed(content.substr(0, split)), place);
-    image.name = trimmed(content.substr(split + 1));
-    if (!stays_in_folder(image.name)) {
-      throw InputError(place, "the name of an image in this folder",
-                       fmt::format("'{}'", printable(image.name, kLongestQuote)));
-    }
-    if (!images.empty() && !(image.timestamp > images.back().timestamp)) {
-      throw InputError(place, fmt::format("a time after {:.6f} s", images.back().timestamp),
+// Leaves out images whose time is that of the one before. Throws InputError where time goes back.
+void keep_increasing(ImageList& list, const std::string& file, const std::vector<int>& lines) {
+  std::vector<ListedImage> kept;
+  std::string first_left_out;
+  for (std::size_t i = 0; i < list.images.size(); ++i) {
+    ListedImage& image = list.images[i];
+    if (kept.empty() || image.timestamp > kept.back().timestamp) {
+      kept.push_back(std::move(image));
+    } else if (image.timestamp == kept.back().timestamp) {
+      if (first_left_out.empty()) first_left_out = image.name;
+    } else {
+      throw InputError(fmt::format("{}:{}", file, lines[i]),
+                       fmt::format("a time after {:.6f} s", kept.back().timestamp),
                        fmt::format("{:.6f} s", image.timestamp));
     }
-    images.push_back(std::move(image));
   }
-  if (images.empty()) throw InputError(path.string(), "images", "an empty list");
-  return images;
+  const std::size_t left_out = list.images.size() - kept.size();
+  if (left_out > 0) {
+    list.notes.push_back(
+        fmt::format("{}: {} images have the time of the one before and are left out, first {}", file,
+                    left_out, printable(first_left_out, kLongestQuote)));
+  }
+  list.images = std::move(kept);
+}
+
+ImageList read_list(const std::filesystem::path& path, const Form& form) {
+  ImageList list;
+  std::vector<FileTime> times;
+  std::vector<int> lines;
+  nn::LineReader reader(path, fmt::format("a list of images ({} a line)", form.line));
+  while (const std::optional<std::string_view> content = reader.next()) {
+    const std::size_t split = content->find_first_of(form.separators);
+    if (split == std::string_view::npos) {
+      throw InputError(reader.place(), form.line, fmt::format("'{}'", printable(*content, kLongestQuote)));
+    }
+    times.push_back(parse_file_time(trimmed(content->substr(0, split)), reader.place()));
+    lines.push_back(reader.line());
+    ListedImage image;
+    image.name = trimmed(content->substr(split + 1));
+    if (!stays_in_folder(image.name)) {
+      throw InputError(reader.place(), "the name of an image in this folder",
+                       fmt::format("'{}'", printable(image.name, kLongestQuote)));
+    }
+    list.images.push_back(std::move(image));
+  }
+  if (list.images.empty()) throw InputError(path.string(), "images", "an empty list");
+  const std::vector<double> seconds = to_seconds(times, form.times, path.string(), list.notes);
+  for (std::size_t i = 0; i < seconds.size(); ++i) list.images[i].timestamp = seconds[i];
+  keep_increasing(list, path.string(), lines);
+  return list;
 }
 
 }  // namespace
 
-std::vector<ListedImage> read_tum_image_list(const std::filesystem::path& path) {
-  return read_list(path, " \t", "SECONDS NAME", parse_seconds);
-}
+ImageList read_tum_image_list(const std::filesystem::path& path) { return read_list(path, kTum); }
 
-std::vector<ListedImage> read_euroc_image_list(const std::filesystem::path& path) {
-  return read_list(path, ",", "NANOSECONDS,NAME", parse_nanoseconds);
+ImageList read_euroc_image_list(const std::filesystem::path& path) { return read_list(path, kEuroc); }
+
+std::vector<std::string> joined_notes(const ImageList& first, const ImageList& second) {
+  std::vector<std::string> notes = first.notes;
+  notes.insert(notes.end(), second.notes.begin(), second.notes.end());
+  return notes;
 }
 
 std::vector<double> times_of(const std::vector<ListedImage>& images) {

@@ -12,11 +12,20 @@ struct ListedImage {
   std::string name;        // path below the list's folder
 };
 
-// TUM: "SECONDS NAME" a line, '#' begins a comment. EuRoC: "NANOSECONDS,NAME" a line. Throw InputError
-// (file:line) for another form, a time that is no number or not after the one before, a name that leads out
-// of the folder, an empty list.
-std::vector<ListedImage> read_tum_image_list(const std::filesystem::path& path);
-std::vector<ListedImage> read_euroc_image_list(const std::filesystem::path& path);
+struct ImageList {
+  std::vector<ListedImage> images;  // each later than the one before
+  std::vector<std::string> notes;   // the unit of the times, images that were left out
+};
+
+// TUM: "SECONDS NAME" a line, '#' begins a comment. EuRoC: "NANOSECONDS,NAME" a line. Times in another unit
+// are taken, too, with a note (slam/geometry/time_unit.h); of images with one time the first, with a note.
+// Throw InputError (file:line) for another form, a time that is no number or before the one before, a name
+// that leads out of the folder, an empty list.
+ImageList read_tum_image_list(const std::filesystem::path& path);
+ImageList read_euroc_image_list(const std::filesystem::path& path);
+
+// The notes of two lists, those of the first before those of the second.
+std::vector<std::string> joined_notes(const ImageList& first, const ImageList& second);
 
 // The images' times.
 std::vector<double> times_of(const std::vector<ListedImage>& images);

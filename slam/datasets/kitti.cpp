@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "slam/datasets/folder_listing.h"
 #include "slam/datasets/kitti_calibration.h"
 #include "slam/datasets/recorded_sequence.h"
+#include "slam/geometry/time_unit.h"
 #include "slam/geometry/trajectory_io.h"
 
 namespace penumbra::slam {
@@ -20,12 +22,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Checks that the two lists hold the same frames, 0, 1, 2, ..., and names the first that breaks the rule.
-void require_pairs(const std::vector<fs::path>& left, const std::vector<fs::path>& right) {
+// The number that an image is named by; -1 where it is none.
+int number_of(const fs::path& image) {
+  const std::string stem = image.stem().string();
+  int number = 0;
+  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+  return error == std::errc() && end == stem.data() + stem.size() ? number : -1;
+}
+
+// Checks that the two lists hold the same frames, numbered without gaps, and names the first that breaks the
+// rule. Returns the number of the first frame.
+int require_pairs(const std::vector<fs::path>& left, const std::vector<fs::path>& right) {
+  const int first = std::max(0, number_of(left.front()));
   for (std::size_t i = 0; i < std::max(left.size(), right.size()); ++i) {
-    const std::string expected = fmt::format("{:06}", i);
-    const bool in_left = i < left.size() && left[i].stem() == expected;
-    const bool in_right = i < right.size() && right[i].stem() == expected;
+    const int number = first + static_cast<int>(i);
+    const std::string expected = fmt::format("{:06}", number);
+    const bool in_left = i < left.size() && number_of(left[i]) == number;
+    const bool in_right = i < right.size() && number_of(right[i]) == number;
     if (in_left && in_right) continue;
     const std::vector<fs::path>& lacking = in_left ? right : left;
     const fs::path folder = lacking.front().parent_path();
@@ -35,9 +48,10 @@ void require_pairs(const std::vector<fs::path>& left, const std::vector<fs::path
           fmt::format("frame {} as in {}", expected, (in_left ? left : right).front().parent_path().string()),
           fmt::format("no such image ({} left, {} right images)", left.size(), right.size()));
     }
-    throw InputError(folder.string(), fmt::format("frame {}: numbers from 000000 without gaps", expected),
+    throw InputError(folder.string(), fmt::format("frame {}: numbers without gaps", expected),
                      i < lacking.size() ? lacking[i].filename().string() : "nothing");
   }
+  return first;
 }
 
 struct SequenceFolder {
@@ -83,25 +97,46 @@ bool wants_colour(const fs::path& folder, DatasetCameras cameras) {
   return !has_grey;
 }
 
-std::vector<double> read_times(const fs::path& path, std::size_t frames, std::optional<double> rate) {
+// The lines of a file that belong to `frames` frames from number `first` on, of `lines` in it: line i to
+// frame i; or, where the file is a piece as the images are, all in turn. The first of them. Throws InputError
+// where there are too few.
+std::size_t first_line(const fs::path& path, const char* what, std::size_t lines, std::size_t first,
+                       std::size_t frames, std::vector<std::string>& notes) {
+  if (lines >= first + frames) return first;
+  if (lines == frames) {
+    notes.push_back(fmt::format("{}: {} {}, taken for frames {} to {}", path.string(), lines, what, first,
+                                first + frames - 1));
+    return 0;
+  }
+  throw InputError(
+      path.string(),
+      first == 0 ? fmt::format("{} of {} frames", what, frames)
+                 : fmt::format("{} of {} frames, or of frames 0 to {}", what, frames, first + frames - 1),
+      fmt::format("{}", lines));
+}
+
+std::vector<double> read_times(const fs::path& path, std::size_t first, std::size_t frames,
+                               std::optional<double> rate, std::vector<std::string>& notes) {
   std::vector<double> times;
-  if (rate && !is_present(path)) {
+  if (!is_present(path)) {
+    if (!rate)
+      throw InputError(path.string(), "a time in seconds in each line, or --rate HZ", "no such file");
     if (!(*rate > 0.0)) throw UsageError(fmt::format("frame rate {:g}: expected more than 0 Hz", *rate));
-    for (std::size_t i = 0; i < frames; ++i) times.push_back(static_cast<double>(i) / *rate);
+    for (std::size_t i = first; i < first + frames; ++i) times.push_back(static_cast<double>(i) / *rate);
     return times;
   }
-  for (const nn::NumberLine& record : nn::read_number_file(path, 1, "a time in seconds")) {
-    const double time = record.values.front();
-    if (!times.empty() && time <= times.back()) {
-      throw InputError(fmt::format("{}:{}", path.string(), record.line),
-                       fmt::format("a time after {:g} s", times.back()), fmt::format("{:g} s", time));
+  const std::vector<nn::NumberLine> lines = nn::read_number_file(path, 1, "a time in seconds");
+  std::vector<FileTime> written;
+  for (const nn::NumberLine& line : lines) written.push_back(to_file_time(line.values.front()));
+  times = to_seconds(written, kCameraSeconds, path.string(), notes);
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] < times[i - 1]) {
+      throw InputError(fmt::format("{}:{}", path.string(), lines[i].line),
+                       fmt::format("a time after {:g} s", times[i - 1]), fmt::format("{:g} s", times[i]));
     }
-    times.push_back(time);
   }
-  if (times.size() < frames) {
-    throw InputError(path.string(), fmt::format("times of {} frames", frames),
-                     fmt::format("{}", times.size()));
-  }
+  const std::size_t begin = first_line(path, "times", times.size(), first, frames, notes);
+  times.erase(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(begin));
   return times;
 }
 
@@ -110,7 +145,7 @@ std::string read_name(const SequenceFolder& sequence) {
   constexpr std::size_t kLongest = 100;  // bytes
   const fs::path path = sequence.folder / "name.txt";
   if (!is_present(path)) return "KITTI odometry " + sequence.name;
-  std::string name = nn::read_file(path, "the name of the recording");
+  std::string name = nn::read_text_file(path, "the name of the recording");
   if (!name.empty() && name.back() == '\n') name.pop_back();
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (name.empty() || name.size() > kLongest || std::any_of(name.begin(), name.end(), is_control)) {
@@ -121,16 +156,13 @@ std::string read_name(const SequenceFolder& sequence) {
 }
 
 Trajectory read_ground_truth(const SequenceFolder& sequence, const std::vector<double>& times,
-                             std::size_t frames) {
+                             std::size_t first, std::size_t frames, std::vector<std::string>& notes) {
   const auto file = std::find_if(sequence.pose_files.begin(), sequence.pose_files.end(), is_present);
   if (file == sequence.pose_files.end()) return {};
   const std::vector<SE3> poses = read_kitti_poses(*file);
-  if (poses.size() < frames) {
-    throw InputError(file->string(), fmt::format("poses of {} frames", frames),
-                     fmt::format("{}", poses.size()));
-  }
+  const std::size_t begin = first_line(*file, "poses", poses.size(), first, frames, notes);
   Trajectory truth;
-  for (std::size_t i = 0; i < frames; ++i) truth.push_back({times[i], poses[i]});
+  for (std::size_t i = 0; i < frames; ++i) truth.push_back({times[i], poses[begin + i]});
   return truth;
 }
 
@@ -162,13 +194,15 @@ std::unique_ptr<StereoDataset> open_kitti(const fs::path& path, const DatasetOpt
   recording.colour = colour ? nn::ImageColour::bgr : nn::ImageColour::grey;
   const std::vector<fs::path> left = list_images(folder / (colour ? "image_2" : "image_0"));
   const std::vector<fs::path> right = list_images(folder / (colour ? "image_3" : "image_1"));
-  require_pairs(left, right);
+  const int first = require_pairs(left, right);
+  const auto offset = static_cast<std::size_t>(first);
   options.frames.size(static_cast<int>(left.size()), recording.place);
   recording.camera = read_kitti_calibration(folder / "calib.txt", colour ? 2 : 0, colour ? 3 : 1);
-  const std::vector<double> times = read_times(folder / "times.txt", left.size(), options.frame_rate);
-  recording.ground_truth = read_ground_truth(sequence, times, left.size());
+  const std::vector<double> times =
+      read_times(folder / "times.txt", offset, left.size(), options.frame_rate, recording.notes);
+  recording.ground_truth = read_ground_truth(sequence, times, offset, left.size(), recording.notes);
   for (std::size_t i = 0; i < left.size(); ++i) {
-    recording.frames.push_back({static_cast<int>(i), times[i], left[i], right[i]});
+    recording.frames.push_back({first + static_cast<int>(i), times[i], left[i], right[i]});
   }
   return open_recording(std::move(recording), options);
 }

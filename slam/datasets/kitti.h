@@ -19,9 +19,10 @@
 // KITTI gives the path of camera 0 only; for colour images the same path is used, as the benchmark does,
 // although camera 2 sits 6 cm beside camera 0.
 //
-// Frames: images are numbered from 000000 without gaps; image i belongs to line i of times and poses, which
-// may have more lines than there are images (a piece of a sequence beside its full path). Timestamps must
-// increase.
+// Frames: images are numbered without gaps, from 000000 or, in a piece of a sequence, from any other number;
+// image i belongs to line i of times and poses, which may have more lines than there are images; or, where
+// there are as many lines as images, the first to the first. Of frames with one time the first is taken;
+// times in other units than seconds are taken with a note (slam/geometry/time_unit.h).
 #pragma once
 
 #include <filesystem>

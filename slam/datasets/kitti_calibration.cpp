@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "nn/base/error.h"
-#include "nn/io/file.h"
+#include "nn/base/nearest_word.h"
+#include "nn/base/text.h"
 #include "nn/io/number_file.h"
 
 namespace penumbra::slam {
@@ -22,33 +25,64 @@ struct Projection {
   std::vector<double> values;
 };
 
-Projection find_projection(std::string_view text, const std::filesystem::path& path, int camera) {
-  const std::string label = fmt::format("P{}:", camera);
-  int line = 0;
-  for (std::size_t start = 0; start < text.size();) {
-    const std::size_t end = std::min(text.find('\n', start), text.size());
-    std::string_view content = text.substr(start, end - start);
-    start = end + 1;
-    ++line;
-    if (content.substr(0, label.size()) != label) continue;
-    content.remove_prefix(label.size());
-    Projection projection{fmt::format("{}:{} (P{})", path.string(), line, camera), {}};
-    projection.values = nn::parse_numbers(content, projection.place);
-    if (projection.values.size() != 12) {
-      throw InputError(projection.place, "12 numbers (a 3 x 4 projection matrix)",
-                       fmt::format("{} numbers", projection.values.size()));
+// What stands behind a label.
+struct Labelled {
+  std::string place;  // "file:line (label)"
+  std::string values;
+};
+
+// The lines of the file by their labels. Throws InputError for a label that is not KITTI's, or stands twice.
+std::map<std::string, Labelled> read_labelled(const std::filesystem::path& path) {
+  static constexpr std::string_view kKnown[] = {"P0",
+                                                "P1",
+                                                "P2",
+                                                "P3",
+                                                "Tr",
+                                                "Tr_velo_to_cam",
+                                                "Tr_imu_to_velo",
+                                                "Tr_velo_cam",
+                                                "Tr_imu_velo",
+                                                "Tr_cam_to_road",
+                                                "R0_rect",
+                                                "R_rect",
+                                                "calib_time",
+                                                "corner_dist"};
+  std::map<std::string, Labelled> found;
+  nn::LineReader reader(path, "a KITTI calibration file");
+  while (const std::optional<std::string_view> line = reader.next()) {
+    const std::size_t colon = std::min(line->find(':'), line->size());
+    const std::string label(line->substr(0, colon));
+    if (colon == line->size() || std::find(std::begin(kKnown), std::end(kKnown), label) == std::end(kKnown)) {
+      throw InputError(reader.place(),
+                       "a line 'P0: ' to 'P3: ' with 12 numbers, or 'Tr: '" + suggestion(label, kKnown),
+                       fmt::format("'{}'", printable(*line, 40)));
     }
-    return projection;
+    Labelled labelled{fmt::format("{} ({})", reader.place(), label), std::string(line->substr(colon + 1))};
+    const auto [at, is_new] = found.try_emplace(label, std::move(labelled));
+    if (!is_new) throw InputError(reader.place(), "every label once", fmt::format("{} again", label));
   }
-  throw InputError(path.string(), fmt::format("a line 'P{}:' with 12 numbers", camera), "no such line");
+  return found;
+}
+
+Projection find_projection(const std::map<std::string, Labelled>& lines, const std::filesystem::path& path,
+                           int camera) {
+  const auto at = lines.find(fmt::format("P{}", camera));
+  if (at == lines.end())
+    throw InputError(path.string(), fmt::format("a line 'P{}:' with 12 numbers", camera), "no such line");
+  Projection projection{at->second.place, nn::parse_numbers(at->second.values, at->second.place)};
+  if (projection.values.size() != 12) {
+    throw InputError(projection.place, "12 numbers (a 3 x 4 projection matrix)",
+                     fmt::format("{} numbers", projection.values.size()));
+  }
+  return projection;
 }
 
 }  // namespace
 
 StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left, int right) {
-  const std::string text = nn::read_file(path, "a KITTI calibration file");
-  const Projection P_left = find_projection(text, path, left);
-  const Projection P_right = find_projection(text, path, right);
+  const std::map<std::string, Labelled> lines = read_labelled(path);
+  const Projection P_left = find_projection(lines, path, left);
+  const Projection P_right = find_projection(lines, path, right);
 
   StereoCamera camera;
   camera.fx = P_left.values[0];

@@ -1,6 +1,11 @@
 #include "slam/datasets/open_dataset.h"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "nn/base/error.h"
+#include "nn/base/text.h"
 #include "slam/datasets/euroc.h"
 #include "slam/datasets/folder_listing.h"
 #include "slam/datasets/image_folder.h"
@@ -25,6 +30,40 @@ constexpr Layout kLayouts[] = {
     {DatasetFormat::tum, "tum", looks_like_tum, open_tum},
     {DatasetFormat::folder, "folder", looks_like_image_folder, open_image_folder},
 };
+
+// Layouts that are not read, by what is only in them.
+constexpr struct {
+  const char* mark;
+  const char* name;
+} kForeign[] = {
+    {"image_00/data", "a drive of KITTI's raw data"},
+    {"calib_cam_to_cam.txt", "a day of KITTI's raw data"},
+    {"image_left", "TartanAir's layout"},
+    {"undistorted_images", "4Seasons' layout"},
+    {"distorted_images", "4Seasons' layout"},
+    {"stereo", "RobotCar's layout"},
+    {"rgb_left", "a layout with rgb_left/"},
+    {"metadata.yaml", "a ROS 2 bag"},
+};
+
+// What a folder of no layout holds, for "found ...".
+std::string describe_folder(const std::filesystem::path& path) {
+  constexpr std::size_t kShown = 6, kLongestName = 40;
+  std::string found = "a folder with none of these";
+  for (const auto& [mark, name] : kForeign) {
+    if (!is_present(path / mark)) continue;
+    found = fmt::format("what looks like {}, which is not read", name);
+    break;
+  }
+  const std::vector<std::filesystem::path> entries = list_folder(path);
+  for (std::size_t i = 0; i < std::min(kShown, entries.size()); ++i) {
+    found += fmt::format("{}{}{}", i == 0 ? ", but " : ", ",
+                         printable(entries[i].filename().string(), kLongestName),
+                         is_folder(entries[i]) ? "/" : "");
+  }
+  if (entries.size() > kShown) found += fmt::format(" and {} more", entries.size() - kShown);
+  return found;
+}
 
 }  // namespace
 
@@ -55,7 +94,7 @@ std::unique_ptr<StereoDataset> open_dataset(const std::filesystem::path& path,
       "a dataset: KITTI odometry has sequences/ (dataset root), or calib.txt, image_0/ or "
       "image_2/ (folder of one sequence); EuRoC has mav0/; TUM RGB-D has rgb.txt or rgb/; any other "
       "camera's images need a calibration.yaml",
-      "a folder with none of these");
+      describe_folder(path));
 }
 
 }  // namespace penumbra::slam

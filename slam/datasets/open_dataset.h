@@ -32,6 +32,7 @@ struct DatasetOptions {
   FrameRange frames;     // the part to read ...
   int step = 1;          // ... and every how many of its frames
   DatasetCameras cameras = DatasetCameras::automatic;
+  std::optional<int> image_bits;     // of 16-bit images, that the camera fills; none: found
   std::optional<double> frame_rate;  // Hz, used where the dataset has no times; none: then an error
 };
 

@@ -6,6 +6,10 @@
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "nn/base/text.h"
+#include "nn/io/exif.h"
+#include "slam/datasets/image_levels.h"
+#include "slam/datasets/row_check.h"
 #include "slam/evaluation/association.h"
 
 namespace penumbra::slam {
@@ -14,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLongGap = 1.8;  // times the usual step between two frames
+constexpr int kPairsLookedAt = 3;  // for their rows
+constexpr double kLongGap = 1.8;   // times the usual step between two frames
 
 class RecordedSequence final : public StereoDataset {
  public:
@@ -26,15 +31,17 @@ class RecordedSequence final : public StereoDataset {
       chosen.push_back(r_.frames[static_cast<std::size_t>(options.frames.begin + i)]);
     }
     r_.frames = std::move(chosen);
+    leave_out_repeated_times();
     check_times();
     choose_ground_truth();
+    look_at_images(options);
     size_is_given_ = r_.camera.width > 0;
     if (!size_is_given_) {
-      const cv::Mat left = nn::read_image(r_.frames.front().left, r_.colour);
+      const cv::Mat left = levels_.read(r_.frames.front().left, r_.colour);
       r_.camera.width = left.cols;
       r_.camera.height = left.rows;
     }
-    load(0);
+    check_rows(load(0));
   }
 
   std::string name() const override { return r_.name; }
@@ -51,9 +58,9 @@ class RecordedSequence final : public StereoDataset {
     StereoImages images;
     images.index = f.index;
     images.timestamp = f.timestamp;
-    images.left = r_.left.apply(checked(nn::read_image(f.left, r_.colour), f.left));
+    images.left = r_.left.apply(checked(levels_.read(f.left, r_.colour), f.left));
     if (r_.sensor == Sensor::stereo) {
-      images.right = r_.right.apply(checked(nn::read_image(f.second, r_.colour), f.second));
+      images.right = r_.right.apply(checked(levels_.read(f.second, r_.colour), f.second));
     } else {
       const cv::Mat levels = r_.left.apply_nearest(checked(nn::read_depth_image(f.second), f.second));
       levels.convertTo(images.depth, CV_32F, 1.0 / r_.depth_factor);
@@ -72,6 +79,37 @@ class RecordedSequence final : public StereoDataset {
                        fmt::format("{} x {}", image.cols, image.rows));
     }
     return image;
+  }
+
+  // Of frames with one time the first stays: no motion fits two places at once.
+  void leave_out_repeated_times() {
+    const auto is_repeated = [](const RecordedFrame& a, const RecordedFrame& b) {
+      return a.timestamp == b.timestamp;
+    };
+    const auto first = std::adjacent_find(r_.frames.begin(), r_.frames.end(), is_repeated);
+    if (first == r_.frames.end()) return;
+    const std::string name = std::next(first)->left.filename().string();
+    const std::size_t count = r_.frames.size();
+    r_.frames.erase(std::unique(r_.frames.begin(), r_.frames.end(), is_repeated), r_.frames.end());
+    r_.notes.push_back(fmt::format("{} frames have the time of the frame before and are left out, first {}",
+                                   count - r_.frames.size(), printable(name, 60)));
+  }
+
+  // What is to be known about the files before their pixels are read.
+  void look_at_images(const DatasetOptions& options) {
+    std::vector<fs::path> images;
+    for (const RecordedFrame& f : r_.frames) {
+      images.push_back(f.left);
+      if (r_.sensor == Sensor::stereo) images.push_back(f.second);
+    }
+    levels_ = ImageLevels(images, options.image_bits, r_.notes);
+    const int orientation = nn::read_image_info(images.front()).orientation;
+    if (orientation != nn::kUpright) {
+      r_.notes.push_back(
+          fmt::format("{}: EXIF says that the camera was turned (orientation {}); images are taken as "
+                      "the sensor has them, as the calibration is",
+                      images.front().string(), orientation));
+    }
   }
 
   void check_times() {
@@ -99,6 +137,30 @@ class RecordedSequence final : public StereoDataset {
                     gaps, *longest, frame(static_cast<int>(longest - steps.begin())).index, usual));
   }
 
+  // One pair tells, if it shows enough; the second and third are looked at where it does not.
+  void check_rows(const StereoImages& first) {
+    if (r_.sensor != Sensor::stereo) return;
+    RowOffsets rows;
+    rows.add(first.left, first.right);
+    for (int i = 1; i < std::min(kPairsLookedAt, size()) && !rows.is_enough(); ++i) {
+      try {
+        const StereoImages images = load(i);
+        rows.add(images.left, images.right);
+      } catch (const InputError&) {
+        continue;  // for the run to report
+      }
+    }
+    if (const std::optional<RowOffsets::Disagreement> found = rows.disagreement()) {
+      r_.notes.push_back(
+          fmt::format("the rows of left and right images disagree: of {} features that look alike the median "
+                      "is {:.1f} pixels "
+                      "apart vertically (with its sign {:+.1f}, downwards in the right image). Are the "
+                      "images not rectified, is "
+                      "the rotation of T_right_left transposed, or the calibration another camera's?",
+                      rows.offsets.size(), found->median_length, found->median));
+    }
+  }
+
   void choose_ground_truth() {
     if (r_.ground_truth.empty()) return;
     std::vector<double> frame_times, pose_times;
@@ -120,6 +182,7 @@ class RecordedSequence final : public StereoDataset {
   }
 
   Recording r_;
+  ImageLevels levels_;
   bool size_is_given_ = false;
   std::optional<Trajectory> ground_truth_;
 };

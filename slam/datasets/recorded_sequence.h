@@ -34,9 +34,11 @@ struct Recording {
 };
 
 // The frames that `options` choose. Ground truth: for each frame the pose nearest in time, if one is within
-// 0.01 s. Reads the first frame, whose images give the size where the calibration does not. Adds a note where
-// times jump: frames that were dropped. Throws InputError for times that do not increase, images of another
-// size, no frames.
+// 0.01 s. Reads the first frame, whose images give the size where the calibration does not. Of frames with
+// one time the first is kept. Adds notes: repeated times, times that jump (frames that were dropped), the
+// bits of 16 that images use (slam/datasets/image_levels.h), EXIF data that say the camera was turned, rows
+// of left and right images that disagree (slam/datasets/row_check.h). Throws InputError for times that do not
+// increase, images of another size, no frames.
 std::unique_ptr<StereoDataset> open_recording(Recording recording, const DatasetOptions& options);
 
 // Whether to read colour: as the options say, or `otherwise`.

@@ -87,11 +87,11 @@ StereoCamera pinhole_of(const cv::Mat& P, const LensCamera& lens, const std::str
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place) {
   std::size_t fewest = 0, most = 0;
-  if (name == "radial-tangential" || name == "radtan") {
+  if (name == "radial-tangential" || name == "radial_tangential" || name == "radtan" || name == "plumb_bob") {
     camera.model = LensModel::radial_tangential;
     fewest = 4;
     most = 5;
-  } else if (name == "equidistant" || name == "fisheye") {
+  } else if (name == "equidistant" || name == "equi" || name == "fisheye") {
     camera.model = LensModel::equidistant;
     fewest = most = 4;
   } else if (name != "none") {

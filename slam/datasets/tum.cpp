@@ -83,13 +83,15 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   require_dataset_folder(path);
   const fs::path folder = fs::canonical(path);
   const std::string name = folder.filename().string();
-  const std::vector<ListedImage> colour = read_tum_image_list(folder / "rgb.txt");
-  const std::vector<ListedImage> depth = read_tum_image_list(folder / "depth.txt");
+  const ImageList colour_list = read_tum_image_list(folder / "rgb.txt");
+  const ImageList depth_list = read_tum_image_list(folder / "depth.txt");
+  const std::vector<ListedImage>&colour = colour_list.images, &depth = depth_list.images;
   const CameraFile file = find_camera(folder, name);
   const RecordedCamera camera = make_camera(file);
 
   Recording recording;
   recording.name = "TUM RGB-D " + name;
+  recording.notes = joined_notes(colour_list, depth_list);
   recording.place = folder.string();
   recording.sensor = Sensor::rgbd;
   recording.camera = camera.camera;
@@ -110,7 +112,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
         fmt::format("{} images without a partner within {:g} s are left out", alone, kSameTime));
   }
   if (is_present(folder / "groundtruth.txt")) {
-    recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt");
+    recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt", &recording.notes);
   }
   return open_recording(std::move(recording), options);
 }

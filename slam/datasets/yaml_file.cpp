@@ -81,7 +81,7 @@ struct Group {
 }  // namespace
 
 YamlFile::YamlFile(const std::filesystem::path& path) : path_(path.string()) {
-  read(nn::read_file(path, "a YAML file"));
+  read(nn::read_text_file(path, "a YAML file"));
 }
 
 void YamlFile::read(std::string_view text) {
@@ -124,7 +124,7 @@ void YamlFile::read(std::string_view text) {
       const std::string_view row = trimmed(content.substr(1));
       if (last_key.empty() || row.empty() || row.front() != '[')
         refuse("a key, or a row '- [...]'", in_quotes(content));
-      const auto [at, is_new] = values_.try_emplace(last_key, Value{lines.number(), {}, true});
+      const auto [at, is_new] = values_.try_emplace(last_key, Value{lines.number(), {}, true, {}});
       if (!may_open && is_new) refuse("a key, or a row '- [...]'", in_quotes(content));
       if (!at->second.is_list) refuse("a key", in_quotes(content));
       may_open = false;
@@ -171,9 +171,27 @@ bool YamlFile::is_group(const std::string& key) const {
   return after != values_.end() && after->first.starts_with(key + ".");
 }
 
+std::vector<std::string> YamlFile::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : values_) keys.push_back(key);
+  std::stable_sort(keys.begin(), keys.end(), [&](const std::string& a, const std::string& b) {
+    return values_.at(a).line < values_.at(b).line;
+  });
+  return keys;
+}
+
+void YamlFile::rename(const std::string& from, const std::string& to) {
+  Value value = std::move(values_.at(from));
+  values_.erase(from);
+  if (value.written.empty()) value.written = from;
+  values_[to] = std::move(value);
+}
+
 std::string YamlFile::place(const std::string& key) const {
   const auto at = values_.find(key);
-  return at == values_.end() ? path_ : fmt::format("{}:{} ({})", path_, at->second.line, printable(key));
+  if (at == values_.end()) return path_;
+  const Value& value = at->second;
+  return fmt::format("{}:{} ({})", path_, value.line, printable(value.written.empty() ? key : value.written));
 }
 
 const YamlFile::Value& YamlFile::find(const std::string& key, std::string_view expected) const {

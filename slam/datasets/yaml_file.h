@@ -26,6 +26,12 @@ class YamlFile {
   explicit YamlFile(const std::filesystem::path& path);
 
   bool has(const std::string& key) const { return values_.count(key) > 0 || is_group(key); }
+  bool has_value(const std::string& key) const { return values_.count(key) > 0; }
+  // All keys with a value, in the order of the file's lines.
+  std::vector<std::string> keys() const;
+  // From now on the value of `from`, which must be there, is that of `to`; place() still says what is
+  // written.
+  void rename(const std::string& from, const std::string& to);
   // Throw InputError (file:line) where the key is missing or holds something else.
   std::string text(const std::string& key) const;
   double number(const std::string& key) const;
@@ -45,6 +51,7 @@ class YamlFile {
     int line = 0;
     std::string text;      // as in the file, without brackets, quotes and comment
     bool is_list = false;  // [...] or rows of them
+    std::string written;   // the key as in the file, where it was renamed
   };
   void read(std::string_view text);
   bool is_group(const std::string& key) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "nn/base/error.h"
 
@@ -22,6 +23,28 @@ std::vector<double> times_of(const Trajectory& trajectory) {
   times.reserve(trajectory.size());
   for (const TimedPose& pose : trajectory) times.push_back(pose.timestamp);
   return times;
+}
+
+std::string span_of(const Trajectory& t) {
+  return t.empty() ? std::string("no pose")
+                   : fmt::format("{:.3f}..{:.3f} s", t.front().timestamp, t.back().timestamp);
+}
+
+// Why no times are the same.
+std::string hint(const Trajectory& reference, const Trajectory& estimate, double max_difference) {
+  if (reference.empty() || estimate.empty()) return {};
+  constexpr double kClockFromZero = 1e8;  // seconds; clocks that count from 1970 are beyond
+  const double offset = reference.front().timestamp - estimate.front().timestamp;
+  const bool one_from_zero = (std::abs(reference.front().timestamp) < kClockFromZero) !=
+                             (std::abs(estimate.front().timestamp) < kClockFromZero);
+  if (one_from_zero) {
+    return fmt::format(
+        ": one clock begins at 0 and one in 1970 (if both begin together: --time-offset {:.6f})", offset);
+  }
+  const bool apart = reference.front().timestamp > estimate.back().timestamp ||
+                     estimate.front().timestamp > reference.back().timestamp;
+  if (apart) return fmt::format(": the clocks differ (if both begin together: --time-offset {:.6f})", offset);
+  return fmt::format(": the times lie between each other (--max-time-difference is {:g} s)", max_difference);
 }
 
 }  // namespace
@@ -57,12 +80,9 @@ TrajectoryPair associate_by_time(const Trajectory& reference, const Trajectory& 
   const std::vector<TimePair> matches =
       associate_times(times_of(reference), times_of(estimate), max_difference);
   if (matches.empty()) {
-    const auto span = [](const Trajectory& t) {
-      return t.empty() ? std::string("no pose")
-                       : fmt::format("{:.3f}..{:.3f} s", t.front().timestamp, t.back().timestamp);
-    };
     throw InputError("ground truth and estimate", fmt::format("times within {:g} s", max_difference),
-                     fmt::format("{} against {}", span(reference), span(estimate)));
+                     fmt::format("{} against {}{}", span_of(reference), span_of(estimate),
+                                 hint(reference, estimate, max_difference)));
   }
   TrajectoryPair pair;
   for (const auto& [in_reference, in_estimate] : matches) {

@@ -28,7 +28,8 @@ struct TrajectoryPair {
   Trajectory reference, estimate;
 };
 
-// Both must be ordered by time. Throws InputError where no pose finds a partner.
+// Both must be ordered by time. Throws InputError where no pose finds a partner; where the clocks differ, it
+// says by how much.
 TrajectoryPair associate_by_time(const Trajectory& reference, const Trajectory& estimate,
                                  double max_difference = kMaxTimeDifference);
 

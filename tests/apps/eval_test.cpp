@@ -112,7 +112,7 @@ TEST_F(Eval, BadInputGivesExitCode1) {
   nn::write_file(path("bad.txt"), "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 nan 0 1 0 0 0 0 1 0\n");
   expect_failure(eval("truth.txt", "bad.txt"), 1, {"bad.txt:2", "finite", "nan"});
   nn::write_file(path("three.txt"), "1 2 3\n");
-  expect_failure(eval("truth.txt", "three.txt"), 1, {"three.txt:1", "12 numbers (KITTI) or 8 numbers (TUM)"});
+  expect_failure(eval("truth.txt", "three.txt"), 1, {"three.txt:1", "12 numbers (KITTI", "8 (TUM)"});
   expect_failure(eval("truth.txt", "estimate.txt", "--format tum"), 1,
                  {"truth.txt:1", "8 numbers", "12 numbers"});
   expect_failure(eval("truth_tum.txt", "estimate_tum.txt", "--max-time-difference 0 --format kitti"), 1,

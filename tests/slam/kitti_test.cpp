@@ -187,7 +187,7 @@ TEST_F(Kitti, MissingOrEmptyImageFolderIsRefused) {
   fs::remove_all(sequence() / "image_1");
   expect_refused({"image_1", "a folder of images", "nothing"});
   fs::create_directories(sequence() / "image_1");
-  expect_refused({"image_1", "images (.png or .jpg)", "none"});
+  expect_refused({"image_1", "images (.png, .jpg", "none"});
 }
 
 TEST_F(Kitti, FrameWithoutPartnerIsNamed) {
@@ -215,7 +215,9 @@ TEST_F(Kitti, BrokenCalibrationIsRefusedWithItsLine) {
       {P0 + "P1: 100 0 40\n", {"calib.txt:2 (P1)", "12 numbers", "3 numbers"}},
       {P0 + "P1: 100 0 40 nan 0 101 30 0 0 0 1 0\n", {"calib.txt:2 (P1)", "a finite number", "'nan'"}},
       {P0 + "P1: 100 0 40 x 0 101 30 0 0 0 1 0\n", {"calib.txt:2 (P1)", "a number", "'x'"}},
-      {"P0: -100 0 40 0 0 101 30 0 0 0 1 0\n" + P0 + "P1: 100 0 40 -50 0 101 30 0 0 0 1 0\n",
+      {P0 + P0, {"calib.txt:2", "every label once", "P0 again"}},
+      {P0 + "p1: 100 0 40 -50 0 101 30 0 0 0 1 0\n", {"calib.txt:2", "(is 'P1' meant?)"}},
+      {"P0: -100 0 40 0 0 101 30 0 0 0 1 0\nP1: 100 0 40 -50 0 101 30 0 0 0 1 0\n",
        {"calib.txt:1 (P0)", "focal lengths > 0", "-100 and 101"}},
       {"P0: 100 0 40 0 0 0 30 0 0 0 1 0\nP1: 100 0 40 -50 0 0 30 0 0 0 1 0\n",
        {"focal lengths > 0", "100 and 0"}},
@@ -245,10 +247,33 @@ TEST_F(Kitti, MissingTimesAreAnErrorUnlessARateIsGiven) {
 TEST_F(Kitti, BrokenTimesAreRefused) {
   nn::write_file(sequence() / "times.txt", "0\n0.1\n0.2\n");
   expect_refused({"times.txt", "times of 4 frames", "found 3"});
+  nn::write_file(sequence() / "times.txt", "0\n0.1\n0.05\n0.3\n");
+  expect_refused({"times.txt:3", "a time after 0.1 s", "0.05 s"});
   nn::write_file(sequence() / "times.txt", "0\n0.1\n0.1\n0.3\n");
-  expect_refused({"times.txt:3", "a time after 0.1 s", "0.1 s"});
+  EXPECT_EQ(open_dataset(root())->size(), 3);  // two images of one time: the first
   nn::write_file(sequence() / "times.txt", "0\nnan\n0.2\n0.3\n");
   expect_refused({"times.txt:2", "finite", "nan"});
+}
+
+TEST_F(Kitti, APieceKeepsItsNumbers) {
+  for (int camera = 0; camera < 2; ++camera) fs::remove(image(camera, 0));
+  {
+    const std::unique_ptr<StereoDataset> dataset = open_dataset(root());  // line i belongs to image i
+    ASSERT_EQ(dataset->size(), 3);
+    EXPECT_DOUBLE_EQ(dataset->timestamp(0), 0.1);
+    EXPECT_EQ(dataset->load(0).index, 1);
+  }
+  nn::write_file(sequence() / "times.txt", "5\n6\n7\n");  // or a line for each
+  const std::string pose = "1 0 0 0 0 1 0 0 0 0 1 ";
+  nn::write_file(root() / "poses/07.txt", pose + "1\n" + pose + "2\n" + pose + "3\n");
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_EQ(dataset->timestamp(0), 5.0);
+  EXPECT_EQ(dataset->ground_truth()->front().T_wc.translation.z(), 1.0);
+  EXPECT_EQ(dataset->notes().size(), 2U);
+  nn::write_file(sequence() / "times.txt", "5\n6\n");
+  expect_refused({"times.txt", "times of 3 frames, or of frames 0 to 3", "found 2"});
+  fs::remove(sequence() / "times.txt");
+  expect_refused({"times.txt", "--rate HZ", "no such file"});
 }
 
 TEST_F(Kitti, BrokenPosesAreRefused) {

@@ -55,7 +55,7 @@ bool read_image_list(std::string_view bytes) {
   bool is_list = false;
   for (const auto read : {slam::read_tum_image_list, slam::read_euroc_image_list}) {
     is_list |= is_read([&] {
-      const std::vector<slam::ListedImage> images = read(file.path());
+      const std::vector<slam::ListedImage> images = read(file.path()).images;
       require(!images.empty(), "a list has images");
       for (std::size_t i = 0; i < images.size(); ++i) {
         require(std::isfinite(images[i].timestamp), "times are finite");

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "nn/io/number_file.h"
-#include "slam/datasets/euroc_files.h"
 #include "slam/datasets/kitti_calibration.h"
 #include "slam/geometry/trajectory_io.h"
 #include "tests/fuzz/memory_file.h"
@@ -61,7 +60,8 @@ bool read_trajectory(std::string_view bytes) {
   const MemoryFile file(bytes);
   bool has_poses = false;
   is_read([&] { slam::detect_trajectory_format(file.path()); });
-  for (const auto format : {slam::TrajectoryFormat::kitti, slam::TrajectoryFormat::tum}) {
+  for (const auto format : {slam::TrajectoryFormat::kitti, slam::TrajectoryFormat::tum,
+                            slam::TrajectoryFormat::euroc, slam::TrajectoryFormat::tartanair}) {
     has_poses |= is_read([&] { require_trajectory(slam::read_trajectory(file.path(), format)); });
   }
   return has_poses;
@@ -69,7 +69,7 @@ bool read_trajectory(std::string_view bytes) {
 
 bool read_euroc_ground_truth(std::string_view bytes) {
   const MemoryFile file(bytes);
-  return is_read([&] { require_trajectory(slam::read_euroc_ground_truth(file.path())); });
+  return is_read([&] { require_trajectory(slam::read_euroc_trajectory(file.path())); });
 }
 
 }  // namespace penumbra::fuzz

@@ -73,7 +73,7 @@ TEST_F(Euroc, IsReadFromTheFolderAndFromMav0) {
 TEST_F(Euroc, GroundTruthOfTheBodyBecomesThatOfTheLeftCamera) {
   fs::create_directories(root() / "mav0/state_groundtruth_estimate0");
   const fs::path csv = root() / "mav0/state_groundtruth_estimate0/data.csv";
-  std::string text = "#timestamp, p_RS_R_x [m], ...\n";
+  std::string text = "#timestamp, p_RS_R_x [m], ..., q_RS_w [], q_RS_x [], ...\n";
   // Turned by 90 degrees about z.
   for (int i = 1; i < kFrames; ++i) {
     text += fmt::format("{},{},2,3,0.70710678118,0,0,0.70710678118,0,0,0\n", time(i) + 1'000'000, i);
@@ -89,11 +89,13 @@ TEST_F(Euroc, GroundTruthOfTheBodyBecomesThatOfTheLeftCamera) {
 
   nn::write_file(csv, "1,0,0,0,1,0,0\n");
   expect_refused({"data.csv:1", "at least 8 numbers"});
-  nn::write_file(csv, "1,0,0,0,2,0,0,0\n");
-  expect_refused({"data.csv:1", "a quaternion of length 1"});
-  nn::write_file(csv, "2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n");
-  expect_refused({"data.csv:2", "a time after"});
-  nn::write_file(csv, "1,0,0,0,1,0,0,0\n");
+  nn::write_file(csv, "1,0,0,0,0,0,0,0\n");
+  expect_refused({"data.csv:1", "a quaternion", "length 0"});
+  const std::string header = "#t,x,y,z,qw,qx,qy,qz\n";
+  nn::write_file(csv, header + fmt::format("{},0,0,0,2,0,0,0\n{},0,0,0,1,0,0,0\n", time(1), time(0)));
+  EXPECT_EQ(open_dataset(root())->notes().size(), 2U);  // of length 2, not in the order of time
+  EXPECT_EQ(open_dataset(root())->ground_truth()->size(), 2U);
+  nn::write_file(csv, header + "1,0,0,0,1,0,0,0\n");
   EXPECT_EQ(open_dataset(root())->notes().size(), 1U);  // times that are not the frames'
 }
 
@@ -106,6 +108,20 @@ TEST_F(Euroc, ImagesWithoutPartnerAreLeftOutWithANote) {
   EXPECT_EQ(dataset->load(1).left.at<uchar>(30, 40), 2);
   nn::write_file(camera(1) / "data.csv", "5,x.png\n");
   expect_refused({"cam0 and cam1 with the same times"});
+}
+
+TEST_F(Euroc, MicrosecondsAndRepeatedTimesAreTakenWithANote) {
+  for (int c = 0; c < 2; ++c) {
+    std::string list;
+    for (const int i : {0, 1, 1, 2, 3}) list += fmt::format("{},{}.png\n", time(i) / 1000, time(i));
+    nn::write_file(camera(c) / "data.csv", list);
+  }
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_EQ(dataset->size(), 4);
+  EXPECT_NEAR(dataset->timestamp(1) - dataset->timestamp(0), 0.05, 1e-6);
+  ASSERT_EQ(dataset->notes().size(), 4U);
+  EXPECT_NE(dataset->notes()[0].find("microseconds (not nanoseconds)"), std::string::npos);
+  EXPECT_NE(dataset->notes()[1].find("1 images have the time of the one before"), std::string::npos);
 }
 
 TEST_F(Euroc, LongGapsAreNoted) {
@@ -125,8 +141,8 @@ TEST_F(Euroc, BrokenListsAreRefusedWithTheirLine) {
   };
   with_list("", {"cam0/data.csv", "images", "an empty list"});
   with_list("5 a.png\n", {"data.csv:1", "NANOSECONDS,NAME", "'5 a.png'"});
-  with_list("# c\nx,a.png\n", {"data.csv:2", "whole nanoseconds", "'x'"});
-  with_list("5,a.png\n5,b.png\n", {"data.csv:2", "a time after"});
+  with_list("# c\nx,a.png\n", {"data.csv:2", "a number", "'x'"});
+  with_list("50000000,a.png\n0,b.png\n", {"data.csv:2", "a time after"});
   with_list("5,\n", {"data.csv:1", "the name of an image"});
   with_list("5,../a.png\n", {"data.csv:1", "'../a.png'"});
   with_list("5,/etc/a.png\n", {"data.csv:1", "'/etc/a.png'"});
@@ -152,7 +168,8 @@ TEST_F(Euroc, BrokenCalibrationIsRefused) {
   with("radial-tangential", "fov", {"equidistant", "'fov'"});
   with("[1.0, 0.0", "[2.0, 0.0", {"(T_BS.data)", "a rotation"});
   with("0.1,", "-0.1,", {"cam1/sensor.yaml", "to the right", "swapped"});
-  with("T_BS", "T_BX", {"the key T_BS.data"});
+  with("T_BS", "T_BX", {"cam1/sensor.yaml:6 (T_BX.data)", "a key that is known (is 'T_BS' meant?)"});
+  with("distortion_coefficients", "distorsion_coefficients", {"(is 'distortion_coefficients' meant?)"});
 }
 
 TEST_F(Euroc, ImageOfAnotherSizeOrMissingIsRefused) {
