@@ -5,6 +5,7 @@
 #include "apps/commands.h"
 #include "apps/compute_options.h"
 #include "apps/dataset_arguments.h"
+#include "apps/load_network.h"
 #include "apps/slam_run.h"
 
 namespace penumbra::apps {
@@ -58,6 +59,7 @@ void add_slam_command(CLI::App& app) {
                    "folder of masks as `penumbra synth` writes, instead of weights")
       ->excludes("--weights")
       ->type_name("DIR");
+  add_key_option(command, options->key);
   command->add_option("--classes", options->classes,
                       "file of the weights' class names, one a line (default: the weights' own, or COCO)");
   command

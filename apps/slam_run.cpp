@@ -51,7 +51,7 @@ void parse_segmentation(const std::string& text, slam::SemanticsSettings& semant
 // Empty where no segmentation by a network is asked for.
 std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
   if (options.segmentation == "off" || options.weights.empty()) return std::nullopt;
-  return load_network(options.weights, options.classes, slam_network_config());
+  return load_network(options.weights, options.classes, slam_network_config(), options.key);
 }
 
 slam::DatasetCameras parse_cameras(const std::string& images) {

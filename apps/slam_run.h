@@ -16,7 +16,7 @@ inline constexpr const char* kAnyViewPort = "auto";
 
 struct SlamOptions {
   DatasetArguments dataset;
-  std::string out, sequence, weights, classes, masks, save_map, load_map;
+  std::string out, sequence, weights, key, classes, masks, save_map, load_map;
   std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on",
               self_calibration = "on";
   std::string segmentation = "keyframes", moving = "geometry", movers = "on";

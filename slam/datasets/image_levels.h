@@ -7,11 +7,9 @@
 //
 //   - as asked for (--image-bits); else
 //   - as the file says (sBIT of a PNG, the largest value of a PGM), if no level of the images looked at is
-//   above
-//     that; else
-//   - 8, 10, 12, 14 or 16: the fewest that hold the levels of the images looked at, up to eight frames from
-//   all
-//     over the recording.
+//     above that; else
+//   - 8, 10, 12, 14 or 16: the fewest that hold the levels of the images looked at, which are up to 16 from
+//     all over the recording.
 #pragma once
 
 #include <filesystem>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
@@ -34,14 +35,15 @@ class RecordedSequence final : public StereoDataset {
     leave_out_repeated_times();
     check_times();
     choose_ground_truth();
-    look_at_images(options);
+    const int readable = first_readable();
+    look_at_images(readable, options);
     size_is_given_ = r_.camera.width > 0;
     if (!size_is_given_) {
-      const cv::Mat left = levels_.read(r_.frames.front().left, r_.colour);
+      const cv::Mat left = levels_.read(frame(readable).left, r_.colour);
       r_.camera.width = left.cols;
       r_.camera.height = left.rows;
     }
-    check_rows(load(0));
+    check_rows(readable);
   }
 
   std::string name() const override { return r_.name; }
@@ -95,12 +97,29 @@ class RecordedSequence final : public StereoDataset {
                                    count - r_.frames.size(), printable(name, 60)));
   }
 
-  // What is to be known about the files before their pixels are read.
-  void look_at_images(const DatasetOptions& options) {
+  // The first frame whose images can be read, which shows what all are like: torn ones before it cost only
+  // themselves. Throws what the first frame's images say where none of the first few can be.
+  int first_readable() const {
+    constexpr int kTried = 10;
+    std::exception_ptr reason;
+    for (int i = 0; i < std::min(kTried, size()); ++i) {
+      try {
+        nn::read_stored_image(frame(i).left, r_.colour);
+        if (r_.sensor == Sensor::stereo) nn::read_stored_image(frame(i).second, r_.colour);
+        return i;
+      } catch (const InputError&) {
+        if (!reason) reason = std::current_exception();
+      }
+    }
+    std::rethrow_exception(reason);
+  }
+
+  // What is to be known about the files before their pixels are read, from the frame `begin` on.
+  void look_at_images(int begin, const DatasetOptions& options) {
     std::vector<fs::path> images;
-    for (const RecordedFrame& f : r_.frames) {
-      images.push_back(f.left);
-      if (r_.sensor == Sensor::stereo) images.push_back(f.second);
+    for (int i = begin; i < size(); ++i) {
+      images.push_back(frame(i).left);
+      if (r_.sensor == Sensor::stereo) images.push_back(frame(i).second);
     }
     levels_ = ImageLevels(images, options.image_bits, r_.notes);
     const int orientation = nn::read_image_info(images.front()).orientation;
@@ -138,11 +157,13 @@ class RecordedSequence final : public StereoDataset {
   }
 
   // One pair tells, if it shows enough; the second and third are looked at where it does not.
-  void check_rows(const StereoImages& first) {
+  // The first must be of the camera's size (InputError).
+  void check_rows(int begin) {
+    const StereoImages first = load(begin);
     if (r_.sensor != Sensor::stereo) return;
     RowOffsets rows;
     rows.add(first.left, first.right);
-    for (int i = 1; i < std::min(kPairsLookedAt, size()) && !rows.is_enough(); ++i) {
+    for (int i = begin + 1; i < std::min(begin + kPairsLookedAt, size()) && !rows.is_enough(); ++i) {
       try {
         const StereoImages images = load(i);
         rows.add(images.left, images.right);

@@ -89,7 +89,8 @@ void YamlFile::read(std::string_view text) {
   std::vector<Group> groups;
   std::string last_key;         // the one that rows "- [...]" belong to
   std::size_t last_indent = 0;  // of it
-  bool may_open = false;        // it has no value yet
+  int last_line = 0;
+  bool may_open = false;  // it has no value yet
   const auto place = [&] { return fmt::format("{}:{}", path_, lines.number()); };
   const auto refuse = [&](std::string_view expected, std::string_view found) {
     throw InputError(place(), expected, found);
@@ -114,6 +115,9 @@ void YamlFile::read(std::string_view text) {
     if (into.find('[') != std::string::npos) refuse("a list of numbers", "a list in a list");
     std::replace(into.begin(), into.end(), ',', ' ');
   };
+
+  // A key without a value and without keys of its own is there all the same: whoever reads it finds nothing.
+  const auto leave_empty = [&] { values_[last_key] = Value{last_line, {}, false, {}}; };
 
   while (lines.next()) {
     const std::string_view content = trimmed(lines.line());
@@ -144,12 +148,15 @@ void YamlFile::read(std::string_view text) {
     if (may_open && indent > last_indent) {
       groups.push_back({last_indent, last_key + "."});
       if (groups.size() > kDeepest) refuse(fmt::format("keys at most {} levels deep", kDeepest), "more");
+    } else if (may_open) {
+      leave_empty();
     }
     while (!groups.empty() && indent <= groups.back().indent) groups.pop_back();
     const std::string key = (groups.empty() ? std::string() : groups.back().prefix) + std::string(name);
     if (has(key)) refuse("every key once", fmt::format("{} again", in_quotes(key)));
     last_key = key;
     last_indent = indent;
+    last_line = lines.number();
     std::string_view value = without_tag(trimmed(content.substr(colon + 1)));
     may_open = value.empty();
     if (may_open) continue;
@@ -164,6 +171,7 @@ void YamlFile::read(std::string_view text) {
       stored.text = without_quotes(value);
     }
   }
+  if (may_open) leave_empty();
 }
 
 bool YamlFile::is_group(const std::string& key) const {
@@ -230,8 +238,14 @@ double YamlFile::number_above_zero(const std::string& key) const {
 
 bool YamlFile::flag(const std::string& key) const {
   const std::string value = text(key);
-  if (value != "true" && value != "false") throw InputError(place(key), "true or false", in_quotes(value));
-  return value == "true";
+  // The spellings of YAML 1.1.
+  for (const char* yes : {"true", "True", "TRUE", "yes", "Yes", "YES", "on", "On", "ON"}) {
+    if (value == yes) return true;
+  }
+  for (const char* no : {"false", "False", "FALSE", "no", "No", "NO", "off", "Off", "OFF"}) {
+    if (value == no) return false;
+  }
+  throw InputError(place(key), "true or false", in_quotes(value));
 }
 
 std::string YamlFile::text_or(const std::string& key, const std::string& otherwise) const {

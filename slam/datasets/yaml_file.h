@@ -38,7 +38,7 @@ class YamlFile {
   double number_above_zero(const std::string& key) const;
   std::vector<double> numbers(const std::string& key) const;
   std::vector<double> numbers(const std::string& key, std::size_t count) const;
-  bool flag(const std::string& key) const;  // true or false
+  bool flag(const std::string& key) const;  // true or false, yes or no, on or off
   // The same with a value for a key that is missing.
   std::string text_or(const std::string& key, const std::string& otherwise) const;
   double number_or(const std::string& key, double otherwise) const;

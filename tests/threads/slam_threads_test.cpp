@@ -1,11 +1,14 @@
 // The SLAM with mapping beside the tracker. Also run under ThreadSanitizer: see CONTRIBUTING.md.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
-#include <shared_mutex>
+#include <filesystem>
+#include <string>
 #include <thread>
 
 #include "slam/datasets/synthetic/street_sequence.h"
+#include "slam/map/map_file.h"
 #include "slam/map/ply.h"
 #include "slam/slam.h"
 #include "tests/slam/feature_world.h"
@@ -131,14 +134,16 @@ TEST_F(SlamThreads, ShowTheMapToWhoLooksOn) {
 
 // As `penumbra slam --checkpoint` does: the map is written while the worker goes on.
 TEST_F(SlamThreads, WriteTheMapBetweenFrames) {
-  const test::TemporaryDirectory folder;
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("penumbra_threads_" + std::to_string(getpid()) + ".map");
   Slam slam(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) {
     slam.process(pair);
-    write_map(folder / "yard.map", slam.map());
-    EXPECT_LE(read_map(folder / "yard.map")->keyframes().size(), images.size());
+    write_map(file, slam.map());
+    EXPECT_LE(read_map(file)->keyframes().size(), images.size());
   }
   slam.finish();
+  std::filesystem::remove(file);
 }
 
 // Seventy frames round a ring: a loop is closed, and the whole map adjusted, while the tracker goes on.
