@@ -39,7 +39,7 @@ double rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
 LiveView::LiveView(std::optional<int> port, const SlamRun& run, int frames, const slam::Slam& slam)
     : page_(make_live_page(run.dataset)),
-            frames_(frames),
+      frames_(frames),
       slam_(slam),
       asked_((Clock::now() - 2 * kLookingOn).time_since_epoch().count()),
       server_(port, routes()) {}

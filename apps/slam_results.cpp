@@ -117,16 +117,20 @@ void write_data(Writer& writer, const ResultPlaces& places, const slam::Slam& sl
 
 void prepare_places(const ResultPlaces& places) {
   std::error_code error;
+  if (!places.save_map.empty()) {
+    if (std::filesystem::is_directory(places.save_map, error))
+      throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
+    const std::filesystem::path folder = places.save_map.parent_path();
+    if (!folder.empty() && folder != places.out && !std::filesystem::is_directory(folder, error))
+      throw InputError(folder.string(), "a folder for the map", "none");
+  }
   std::filesystem::create_directories(places.out, error);
   if (error) throw Error(fmt::format("{}: cannot be made: {}", places.out.string(), error.message()));
   nn::require_writable_folder(places.out);
-  if (places.save_map.empty()) return;
-  if (std::filesystem::is_directory(places.save_map, error))
-    throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
-  const std::filesystem::path folder = places.save_map.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder, error))
-    throw InputError(folder.string(), "a folder for the map", "none");
-  nn::require_writable_folder(folder.empty() ? "." : folder);
+  if (!places.save_map.empty()) {
+    const std::filesystem::path folder = places.save_map.parent_path();
+    nn::require_writable_folder(folder.empty() ? "." : folder);
+  }
 }
 
 void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset, const slam::Slam& slam,

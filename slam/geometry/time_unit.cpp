@@ -132,7 +132,7 @@ std::vector<double> to_seconds(std::span<const FileTime> times, const TimeRule& 
   if (rule.documented != unit && !times.empty()) {
     const std::optional<double> step = usual_step(times);
     notes.push_back(fmt::format(
-        "{}: its times are taken as {}{}{}", place, to_string(unit),
+        "{}: the times are taken as {}{}{}", place, to_string(unit),
         rule.documented ? fmt::format(" (not {})", to_string(*rule.documented)) : "",
         step ? fmt::format(": the usual step is then {:.4g} s", *step / static_cast<double>(per_second(unit)))
              : ""));

@@ -29,8 +29,8 @@ namespace penumbra::slam {
 inline constexpr std::string_view kMapFileMagic = "PENUMAP\n";
 inline constexpr std::uint32_t kMapFileVersion = 3;
 
-// Writes under a temporary name and renames: an older file is replaced by a whole new one or not at all. Holds
-// the map's mutex shared while it collects what to write. Throws Error where that fails.
+// Writes under a temporary name and renames: an older file is replaced by a whole new one or not at all.
+// Holds the map's mutex shared while it collects what to write. Throws Error where that fails.
 void write_map(const std::filesystem::path& path, const Map& map);
 
 // Throws InputError naming `place` where the map was made by another camera than `now`: another image size,

@@ -135,7 +135,7 @@ TEST(SlamCommand, FindsTheDisparityOffsetUnlessToldNotTo) {
             0.7 * off["ground_truth"]["ape_rmse_m"].get<double>());
 }
 
-TEST(SlamCommand, KeepsWhatWasComputedBeforeATornImage) {
+TEST(SlamCommand, KeepsWhatAStrictRunComputedBeforeATornImage) {
   PENUMBRA_REAL_DATA(kitti, "kitti/sequences/06");
   const test::TemporaryDirectory folder;
   const std::filesystem::path copy = folder / "sequence";
@@ -150,8 +150,8 @@ TEST(SlamCommand, KeepsWhatWasComputedBeforeATornImage) {
   }
   const std::filesystem::path torn = copy / "image_1/000005.png";
   std::filesystem::resize_file(torn, std::filesystem::file_size(torn) / 2);
-  const test::ProgramResult result =
-      test::run_penumbra(fmt::format("slam '{}' --out '{}'", copy.string(), (folder / "out").string()));
+  const test::ProgramResult result = test::run_penumbra(
+      fmt::format("slam '{}' --strict --out '{}'", copy.string(), (folder / "out").string()));
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("000005.png"), std::string::npos) << result.err;
   const nlohmann::json report = nlohmann::json::parse(contents(folder / "out" / "run.json"));

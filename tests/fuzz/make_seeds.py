@@ -204,7 +204,7 @@ def trajectories():
     yield "bad_rotation_overflows", b"1e200 1e200 0 0 1e200 -1e200 0 0 0 0 1 0\n"
     yield "bad_rotation_hides_overflow", b"1 0 1e200 0 0 1 -1e200 0 0 0 1 0\n"
     yield "bad_quaternion", b"0 1 2 3 1e200 0 0 1\n"
-    yield "bad_time_goes_back", b"2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"
+    yield "valid_time_goes_back", b"2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"
     yield "bad_columns", b"1 2 3\n"
 
 
@@ -356,9 +356,9 @@ def image_lists():
 def euroc_ground_truths():
     yield "valid_two", b"#t,x,y,z,w,x,y,z\n1403636580838555648,4.6,-1.7,0.78,1,0,0,0,0.1\n1403636580843555648,4,1,0,0,1,0,0\n"
     yield "bad_empty", b"#t\n"
-    yield "bad_quaternion", b"1,0,0,0,2,0,0,0\n"
+    yield "valid_quaternion", b"1,0,0,0,2,0,0,0\n"
     yield "bad_columns", b"1,0,0,0,1\n"
-    yield "bad_back", b"2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"
+    yield "valid_back", b"2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"
     yield "bad_nan", b"1,nan,0,0,1,0,0,0\n"
 
 

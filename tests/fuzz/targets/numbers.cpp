@@ -60,8 +60,8 @@ bool read_trajectory(std::string_view bytes) {
   const MemoryFile file(bytes);
   bool has_poses = false;
   is_read([&] { slam::detect_trajectory_format(file.path()); });
-  for (const auto format : {slam::TrajectoryFormat::kitti, slam::TrajectoryFormat::tum,
-                            slam::TrajectoryFormat::euroc, slam::TrajectoryFormat::tartanair}) {
+  for (const auto format :
+       {slam::TrajectoryFormat::kitti, slam::TrajectoryFormat::tum, slam::TrajectoryFormat::tartanair}) {
     has_poses |= is_read([&] { require_trajectory(slam::read_trajectory(file.path(), format)); });
   }
   return has_poses;

@@ -254,7 +254,7 @@ TEST_F(ImageFolder, BadCalibrationIsRefused) {
   with(kRaw, "-0.12,", "0.12,", {"(T_right_left)", "to the right", "swapped"});
   with(kRaw, "[1, 0, 0,", "[2, 0, 0,", {"(T_right_left)", "a rotation"});
   with(kRaw, "width: 80\nheight: 60\n", "", {"width and height"});
-  with(kRaw, "rectified: false", "rectified: no", {"(rectified)", "true or false", "'no'"});
+  with(kRaw, "rectified: false", "rectified: maybe", {"(rectified)", "true or false", "'maybe'"});
   fs::remove(root() / "calibration.yaml");
   expect_refused({"my_camera", "calibration.yaml"});
 }

@@ -74,7 +74,7 @@ TEST(TimeUnit, ItIsSaidWhichUnitWasTaken) {
   to_seconds(times(1.4e15, 62500), kCameraSeconds, "times.txt", notes);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes.front(),
-            "times.txt: its times are taken as microseconds (not seconds): the usual step is then 0.0625 s");
+            "times.txt: the times are taken as microseconds (not seconds): the usual step is then 0.0625 s");
 }
 
 }  // namespace
