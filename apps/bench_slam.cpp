@@ -71,7 +71,7 @@ void find_recordings(const fs::path& folder, const std::string& path, int depth,
   const std::string name = path.empty() ? fs::canonical(folder).filename().string() : path;
   const std::vector<std::string> sequences = slam::kitti_sequences(folder);
   for (const std::string& sequence : sequences)
-    jobs.push_back({name + "-" + sequence, {folder.string(), "--sequence", sequence}});
+    jobs.push_back({name + "/" + sequence, {folder.string(), "--sequence", sequence}});
   if (!sequences.empty()) return;
   const bool is_tum = slam::is_present(folder / "rgb.txt") && slam::is_present(folder / "depth.txt");
   const bool is_recording = slam::looks_like_kitti(folder) || slam::looks_like_euroc(folder) || is_tum ||

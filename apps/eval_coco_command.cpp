@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/finite_number.h"
 #include "nn/base/error.h"
 #include "nn/evaluation/coco_evaluation.h"
 
@@ -235,7 +236,7 @@ void add_eval_coco_command(CLI::App& app) {
                    "also count objects by their hidden share: bounds of ranges, such as 0,0.3,0.6,0.9; the "
                    "annotations need \"occlusion\"")
       ->delimiter(',')
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_from(0.0, 1.0, "a share from 0 to 1"));
   command
       ->add_option("--rules", options->rules,
                    "official: the official tool's number, always; sensible: also where its code counts an "

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "apps/commands.h"
+#include "apps/finite_number.h"
 #include "apps/loops_report.h"
 #include "nn/base/error.h"
 #include "nn/io/file.h"
@@ -190,15 +191,15 @@ void add_eval_loops_command(CLI::App& app) {
   command
       ->add_option("--distance", options->revisits.largest_distance,
                    "metres within which a place is the same")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above_zero())
       ->capture_default_str();
   command->add_option("--turn", options->turn_degrees, "degrees within which it is")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(number_from(0.0, 180.0, "degrees from 0 to 180"))
       ->capture_default_str();
   command
       ->add_option("--frames-apart", options->revisits.fewest_frames_apart,
                    "frames before a place counts as seen again")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above_zero())
       ->capture_default_str();
   command->add_option("--candidates", options->candidates, "of the place index for each keyframe")
       ->check(CLI::Range(1, 20))

@@ -1,5 +1,6 @@
 #include "apps/interruption.h"
 
+#include <string.h>
 #include <time.h>
 
 #include <atomic>
@@ -30,7 +31,7 @@ void note(int signal) {
 
 Interruption::Interruption() {
   signal_seen = 0;
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
     struct sigaction action {};
     action.sa_handler = kSignals[i] == SIGPIPE ? SIG_IGN : note;
     action.sa_flags = SA_RESTART;
@@ -41,22 +42,15 @@ Interruption::Interruption() {
 }
 
 Interruption::~Interruption() {
-  for (int i = 0; i < 4; ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
 }
 
 bool Interruption::requested() { return signal_seen != 0; }
 
 std::string Interruption::signal_name() {
-  switch (signal_seen) {
-    case 0:
-      return {};
-    case SIGINT:
-      return "SIGINT";
-    case SIGTERM:
-      return "SIGTERM";
-    default:
-      return "SIGHUP";
-  }
+  if (signal_seen == 0) return {};
+  const char* name = sigabbrev_np(signal_seen);  // "TERM"
+  return name != nullptr ? std::string("SIG") + name : "a signal";
 }
 
 }  // namespace penumbra::apps

@@ -10,6 +10,7 @@
 // stays ignored. One at a time.
 #pragma once
 
+#include <array>
 #include <csignal>
 #include <string>
 
@@ -27,8 +28,8 @@ class Interruption {
   static std::string signal_name();
 
  private:
-  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
-  struct sigaction before_[4];
+  static constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2, SIGPIPE};
+  struct sigaction before_[kSignals.size()];
 };
 
 }  // namespace penumbra::apps

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <map>
+#include <string>
+#include <system_error>
 
 #include "apps/frame_picture.h"
 #include "nn/base/error.h"
@@ -10,9 +12,18 @@
 
 namespace penumbra::apps {
 
+void clear_keyframe_gallery(const std::filesystem::path& folder) {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string name = entry.path().stem().string();
+    const bool is_picture = name.size() >= 6 && name.find_first_not_of("0123456789") == name.npos;
+    if (is_picture && entry.path().extension() == ".jpg") std::filesystem::remove(entry.path());
+  }
+}
+
 void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
                             const slam::Slam& slam, int most) {
-  std::filesystem::remove_all(folder);
+  clear_keyframe_gallery(folder);
   std::filesystem::create_directories(folder);
   std::map<int, int> row_of;  // frame number -> place in the dataset
   for (std::size_t i = 0; i < slam.results().size(); ++i)

@@ -14,4 +14,7 @@ namespace penumbra::apps {
 void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
                             const slam::Slam& slam, int most = 60);
 
+// Removes such pictures, and nothing else, from `folder`, which need not exist.
+void clear_keyframe_gallery(const std::filesystem::path& folder);
+
 }  // namespace penumbra::apps

@@ -4,7 +4,10 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 
@@ -16,6 +19,15 @@ namespace {
 
 constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
+
+// What was printed may still wait in a buffer, and a full disk shows only when it is written. Who closes a
+// pipe early
+// (`| head`) has seen what he wanted.
+bool standard_output_is_whole() {
+  if (std::fflush(stdout) == 0 || errno == EPIPE) return true;
+  spdlog::error("standard output: cannot be written: {}", std::strerror(errno));
+  return false;
+}
 
 }  // namespace
 
@@ -58,5 +70,5 @@ int main(int argc, char** argv) {
     spdlog::error("{}", error.what());
     return kExitFailed;
   }
-  return 0;
+  return standard_output_is_whole() ? 0 : kExitFailed;
 }

@@ -10,6 +10,7 @@
 
 #include "apps/commands.h"
 #include "apps/dataset_arguments.h"
+#include "apps/finite_number.h"
 #include "apps/progress_bar.h"
 #include "nn/base/error.h"
 #include "nn/io/image_file.h"
@@ -224,7 +225,7 @@ void add_match_eval_command(CLI::App& app) {
   command->add_option("--sequence", options->sequences,
                       "which ones of a KITTI root; all where none is given");
   command->add_option("--threshold", options->matching.threshold, "pixels up to which a pair is effective")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above_zero())
       ->capture_default_str();
   command->add_option("--features", options->matching.orb_features, "ORB features per image")
       ->check(CLI::Range(10, 20000))

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "apps/finite_number.h"
+
 namespace penumbra::apps {
 
 void add_mask_rcnn_options(CLI::App* command, nn::MaskRcnnConfig& mask_rcnn) {
@@ -42,7 +44,7 @@ void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
           [&](float score) { mask_rcnn.box_head.score_threshold = yolov5.score_threshold = score; },
           fmt::format("least score of any instance [Mask R-CNN {}, YOLOv5 {}]",
                       mask_rcnn.box_head.score_threshold, yolov5.score_threshold))
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_from(0.0, 1.0, "a score from 0 to 1"));
   command
       ->add_option_function<int>(
           "--max-detections",

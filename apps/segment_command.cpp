@@ -13,6 +13,7 @@
 
 #include "apps/commands.h"
 #include "apps/compute_options.h"
+#include "apps/finite_number.h"
 #include "apps/image_list.h"
 #include "apps/interruption.h"
 #include "apps/load_network.h"
@@ -258,7 +259,7 @@ void add_segment_command(CLI::App& app) {
       ->add_option("--show-above", options->show_above,
                    "least score of instances in the picture and the list")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_from(0.0, 1.0, "a score from 0 to 1"));
   add_orientation_option(command, options->orientation);
   add_network_options(command, options->network);
   add_threads_option(command);

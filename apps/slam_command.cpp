@@ -5,6 +5,7 @@
 #include "apps/commands.h"
 #include "apps/compute_options.h"
 #include "apps/dataset_arguments.h"
+#include "apps/finite_number.h"
 #include "apps/load_network.h"
 #include "apps/slam_run.h"
 
@@ -47,7 +48,7 @@ void add_slam_command(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "grey", "colour"}))
       ->capture_default_str();
   command->add_option("--rate", options->frame_rate, "frames a second, where the dataset has no times")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above_zero())
       ->type_name("HZ");
   command->add_option("--sequence", options->sequence,
                       "which one, where the folder holds several, such as 00");
@@ -101,7 +102,7 @@ void add_slam_command(CLI::App& app) {
           "--least-sharpness", options->least_sharpness,
           "a frame below this share of the last images' sharpness (Tenengrad) leaves it to one of the next "
           "three to become a keyframe; 0: no test")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_from(0.0, 1.0, "a share from 0 to 1"))
       ->capture_default_str();
   command->add_option("--features", options->features, "features per image; 0 chooses by the image's size")
       ->check(CLI::Range(0, 20000))
@@ -129,7 +130,7 @@ void add_slam_command(CLI::App& app) {
       ->add_option(
           "--checkpoint", options->checkpoint,
           "write trajectories, run.json and map every so many seconds, for a power cut; 0: only at the end")
-      ->check(CLI::Range(0.0, 86400.0))
+      ->check(number_from(0.0, 86400.0, "seconds from 0 to 86400"))
       ->capture_default_str()
       ->type_name("SECONDS");
   command->add_flag("--strict", options->strict,
@@ -137,7 +138,7 @@ void add_slam_command(CLI::App& app) {
   command
       ->add_option("--require-tracked", options->require_tracked,
                    "share of the frames, from 0 to 1; where fewer are located the exit code is 1")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_from(0.0, 1.0, "a share from 0 to 1"))
       ->type_name("SHARE");
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,

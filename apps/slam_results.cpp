@@ -160,6 +160,9 @@ void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const 
   Writer writer;
   write_data(writer, places, slam, located(slam), {}, run,
              places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
+  // Pictures of an earlier run would not show what is written now.
+  writer.draw([&] { std::filesystem::remove(places.out / "trajectory.png"); });
+  writer.draw([&] { clear_keyframe_gallery(places.out / "gallery"); });
   writer.throw_failures();
 }
 

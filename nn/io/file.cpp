@@ -1,15 +1,11 @@
 #include "nn/io/file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <atomic>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 
 #include "nn/base/error.h"
+#include "nn/io/file_in_the_making.h"
 
 namespace penumbra::nn {
 
@@ -20,14 +16,6 @@ namespace fs = std::filesystem;
 constexpr std::streamoff kLargestFile = (1L << 31) - 1;
 
 std::string last_system_error() { return std::strerror(errno); }
-
-// Unique among the threads of this process and among processes of this machine.
-fs::path temporary_name(const fs::path& path) {
-  static std::atomic<unsigned> counter{0};
-  fs::path name = path;
-  name += fmt::format(".{}.{}.part", getpid(), counter.fetch_add(1));
-  return name;
-}
 
 // The encoding that `text` gives away by its first bytes, if it is one whose bytes are no text to us; else
 // null.
@@ -89,32 +77,11 @@ std::string read_text_file(const fs::path& path, std::string_view expected) {
 }
 
 void write_file(const fs::path& path, std::string_view bytes, bool durable) {
-  const fs::path temporary = temporary_name(path);
-  const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw Error(fmt::format("{}: cannot be written: {}", path.string(), last_system_error()));
-  bool good = true;
-  while (good && !bytes.empty()) {
-    const ssize_t written = write(file, bytes.data(), bytes.size());
-    if (written >= 0) bytes.remove_prefix(static_cast<std::size_t>(written));
-    good = written >= 0 || errno == EINTR;
-  }
-  // EINVAL: a file system that has no such promise to give.
-  if (good && durable) good = fsync(file) == 0 || errno == EINVAL;
-  int reason = good ? 0 : errno;
-  if (close(file) != 0 && good) reason = errno;  // where a network disk says that it is full
-  if (reason == 0 && rename(temporary.c_str(), path.c_str()) != 0) reason = errno;
-  if (reason == 0) return;
-  unlink(temporary.c_str());
-  throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(reason)));
+  FileInTheMaking file(path);
+  file.write(bytes.data(), bytes.size());
+  file.commit(durable);
 }
 
-void require_writable_folder(const fs::path& folder) {
-  const fs::path probe = temporary_name(folder / "probe");
-  const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0)
-    throw Error(fmt::format("{}: no file can be written there: {}", folder.string(), last_system_error()));
-  close(file);
-  unlink(probe.c_str());
-}
+void require_writable_folder(const fs::path& folder) { FileInTheMaking(folder / ".penumbra"); }
 
 }  // namespace penumbra::nn

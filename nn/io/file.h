@@ -17,10 +17,8 @@ std::string read_file(const std::filesystem::path& path, std::string_view expect
 // and UTF-32, which it names. Other encodings are handed on as they are.
 std::string read_text_file(const std::filesystem::path& path, std::string_view expected);
 
-// Writes `bytes` under a temporary name in the same folder and renames it: a reader sees the old file or the
-// whole new one, never a part, also after a power cut (`durable`; without it the file is on the disk when the
-// system finds time, which is enough for what can be made again). Throws Error where the folder is missing,
-// not writable or full.
+// Writes a whole file or none (nn/io/file_in_the_making.h); what can be made again need not be `durable`.
+// Throws Error where the folder is missing, not writable or full.
 void write_file(const std::filesystem::path& path, std::string_view bytes, bool durable = true);
 
 // Throws Error unless a file can be written in `folder`; leaves nothing there.

@@ -1,15 +1,11 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
+#include "nn/io/file_in_the_making.h"
 #include "nn/io/safetensors.h"
 
 namespace penumbra::nn {
@@ -17,55 +13,6 @@ namespace penumbra::nn {
 namespace {
 
 using Named = std::pair<const std::string, StoredTensor>;
-
-// A file under a temporary name beside its final one; it takes the final name at commit(), and vanishes where
-// that is not reached.
-class FileInTheMaking {
- public:
-  explicit FileInTheMaking(const std::filesystem::path& path) : path_(path), temporary_(path) {
-    temporary_ += fmt::format(".{}.tmp", ::getpid());
-    file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file_ < 0) fail();
-  }
-  ~FileInTheMaking() {
-    if (file_ >= 0) ::close(file_);
-    if (!committed_) ::unlink(temporary_.c_str());
-  }
-  FileInTheMaking(const FileInTheMaking&) = delete;
-  FileInTheMaking& operator=(const FileInTheMaking&) = delete;
-
-  void write(const void* data, std::size_t size) {
-    const char* next = static_cast<const char*>(data);
-    while (size > 0) {
-      const ssize_t written = ::write(file_, next, std::min(size, kLargestWrite));
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) fail();
-      next += written;
-      size -= static_cast<std::size_t>(written);
-    }
-  }
-
-  void commit() {
-    if (::fsync(file_) != 0) fail();  // the name must not reach the disk before the bytes
-    const int file = std::exchange(file_, -1);
-    if (::close(file) != 0) fail();
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
-    committed_ = true;
-  }
-
- private:
-  static constexpr std::size_t kLargestWrite = std::size_t{1} << 30;  // Linux writes at most 2 GiB at once
-
-  [[noreturn]] void fail() const {
-    const int error = errno;
-    throw Error(
-        fmt::format("{}: cannot be written: {}", path_.string(), std::generic_category().message(error)));
-  }
-
-  std::filesystem::path path_, temporary_;
-  int file_ = -1;
-  bool committed_ = false;
-};
 
 void check(const StateDict& state, const std::string& place) {
   for (const auto& [key, value] : state.metadata) {
