@@ -223,7 +223,7 @@ void run_benchmark(const SlamBenchmarkOptions& options) {
     jobs.push_back(street(options.streets, "block", options.street_frames.value_or(kBlockFrames)));
     jobs.push_back(street(options.streets, "eight", options.street_frames.value_or(kEightFrames)));
   }
-  fs::create_directories(options.out);
+  nn::make_writable_folder(options.out);
   Table table(jobs, options.out, !options.json);
   ordered_json result = {{"deterministic", options.deterministic},
                          {"repeats", options.repeats},

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,8 +12,10 @@
 #include "apps/commands.h"
 #include "apps/load_network.h"
 #include "nn/base/error.h"
+#include "nn/base/nearest_word.h"
 #include "nn/base/text.h"
 #include "nn/io/safetensors.h"
+#include "nn/models/weight_metadata.h"
 #include "weights_tools/convert_floats.h"
 #include "weights_tools/load_weights.h"
 
@@ -30,7 +34,14 @@ void add_metadata(const std::vector<std::string>& settings, nn::StateDict& state
     if (equals == std::string::npos || equals == 0) {
       throw UsageError(fmt::format("--metadata: expected KEY=VALUE, found '{}'", printable(setting)));
     }
-    state.metadata[setting.substr(0, equals)] = setting.substr(equals + 1);
+    const std::string key = setting.substr(0, equals);
+    const std::string meant = suggestion(key, nn::kMetadataKeys);
+    if (std::find(std::begin(nn::kMetadataKeys), std::end(nn::kMetadataKeys), key) ==
+            std::end(nn::kMetadataKeys) &&
+        !meant.empty()) {
+      throw UsageError(fmt::format("--metadata {}: no key of Penumbra's{}", printable(key), meant));
+    }
+    state.metadata[key] = setting.substr(equals + 1);
   }
 }
 
@@ -58,6 +69,11 @@ void convert(const ConvertOptions& options) {
   // A file that was converted before keeps the format that it first came from.
   state.metadata.try_emplace("source_format", to_string(format));
   add_metadata(options.metadata, state);
+  // A wrong number is noticed now, not when the weights are used.
+  nn::metadata_number(state, "batch_norm_eps", {0.0, 1.0});
+  for (const char* key :
+       {"min_size", "max_size", "box_head_layers", "mask_head_layers", "rpn_candidates", "rpn_proposals"})
+    nn::metadata_integer(state, key, {1.0, 1e6});
   nn::write_safetensors(options.output, state);
 
   fmt::print("{} ({}) -> {}: {} tensors, {} converted to {}{}, {} bytes\n", options.input, to_string(format),

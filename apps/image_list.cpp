@@ -1,16 +1,20 @@
 #include "apps/image_list.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <map>
-#include <set>
+#include <span>
 
 #include "nn/base/error.h"
 #include "nn/base/natural_order.h"
+#include "nn/io/exif.h"
 #include "nn/io/image_file.h"
+#include "slam/datasets/folder_listing.h"
+#include "slam/datasets/image_levels.h"
 
 namespace penumbra::apps {
 
@@ -25,23 +29,24 @@ nn::CocoImageId id_from_name(const std::filesystem::path& path) {
 }
 
 // macOS's and Windows' own files, which wildcards find as well.
-bool is_left_by_a_desktop(const std::filesystem::path& path) {
-  const std::string name = path.filename().string();
-  return name.starts_with("._") || name == ".DS_Store" || name == "Thumbs.db" || name == "desktop.ini";
-}
+bool is_left_by_a_desktop(const std::filesystem::path& path) { return slam::is_debris(path); }
 
+// Images, also of formats that are not read: each of those is then named as such, as it is by itself.
 bool has_image_ending(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  constexpr std::array kEndings = {".png", ".jpg", ".jpeg", ".jpe", ".pgm", ".ppm", ".pnm", ".bmp"};
+  constexpr std::array kEndings = {".png",  ".jpg",  ".jpeg", ".jpe", ".jfif", ".pgm",
+                                   ".ppm",  ".pnm",  ".bmp",  ".tif", ".tiff", ".webp",
+                                   ".heic", ".heif", ".avif", ".gif", ".jp2",  ".jxl"};
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
 std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (has_image_ending(entry.path()) && !is_left_by_a_desktop(entry.path())) files.push_back(entry.path());
+    const bool is_hidden = entry.path().filename().string().starts_with(".");
+    if (has_image_ending(entry.path()) && !is_hidden) files.push_back(entry.path());
   }
   if (files.empty())
     throw InputError(folder.string(), "a folder with PNG, JPEG, PGM or BMP images", "none in it");
@@ -49,6 +54,18 @@ std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder
     return natural_less(a.filename().string(), b.filename().string());
   });
   return files;
+}
+
+// Of 16-bit files the bits that are filled count, as in recordings; here each image is judged by itself.
+cv::Mat read_photograph(const std::filesystem::path& path, nn::ImageOrientation orientation) {
+  const nn::ImageInfo info = nn::read_image_info(path);
+  if (info.bit_depth != 16) return nn::read_image(path, nn::ImageColour::bgr, orientation);
+  std::vector<std::string> unused;
+  const slam::ImageLevels levels(std::span(&path, 1), std::nullopt, unused);
+  if (levels.bits() < 16)
+    spdlog::warn("{}: {} of 16 bits are taken to be used", path.string(), levels.bits());
+  const cv::Mat image = levels.read(path, nn::ImageColour::bgr);
+  return orientation == nn::ImageOrientation::upright ? nn::turn_upright(image, info.orientation) : image;
 }
 
 }  // namespace
@@ -84,10 +101,10 @@ std::vector<ListedImage> list_coco_images(const std::filesystem::path& folder,
 }
 
 cv::Mat read_listed_image(const ListedImage& listed, nn::ImageOrientation orientation) {
-  cv::Mat image = nn::read_image(listed.path, nn::ImageColour::bgr, orientation);
+  cv::Mat image = read_photograph(listed.path, orientation);
   // The annotations of some data sets were made on the rows as they lie in the file.
   if (listed.size && image.size() != *listed.size && cv::Size(image.rows, image.cols) == *listed.size) {
-    image = nn::read_image(listed.path, nn::ImageColour::bgr, nn::ImageOrientation::sensor);
+    image = read_photograph(listed.path, nn::ImageOrientation::sensor);
   }
   if (listed.size && image.size() != *listed.size) {
     throw InputError(
@@ -109,13 +126,12 @@ std::filesystem::path picture_name(const ListedImage& image) {
 }
 
 void check_picture_names(const std::vector<ListedImage>& images) {
-  std::set<std::filesystem::path> names;
+  std::map<std::filesystem::path, std::filesystem::path> image_of;
   for (const ListedImage& image : images) {
-    if (!names.insert(picture_name(image)).second) {
-      throw UsageError(
-          fmt::format("{}: another image of this name is in the list, their pictures would overwrite "
-                      "each other",
-                      image.path.string()));
+    const auto [at, is_new] = image_of.emplace(picture_name(image), image.path);
+    if (!is_new) {
+      throw UsageError(fmt::format("{} and {}: images of one name, their pictures would overwrite each other",
+                                   at->second.string(), image.path.string()));
     }
   }
 }

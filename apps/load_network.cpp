@@ -25,7 +25,8 @@ LoadedNetwork load_network(const std::filesystem::path& path, const std::filesys
   LoadedNetwork loaded;
   loaded.source = path.string();
   loaded.network = nn::make_network(weights, config);
-  loaded.names = nn::class_names(weights, loaded.network->classes(), classes);
+  loaded.names =
+      nn::class_names(weights, loaded.network->classes(), classes, loaded.network->has_background());
   return loaded;
 }
 

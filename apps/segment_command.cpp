@@ -222,8 +222,7 @@ void segment(const SegmentOptions& options) {
   const SegmentInput input = find_images(options);
   if (options.pictures || !options.whole_set()) check_picture_names(input.images);
   SegmentRun run(options, input);
-  std::filesystem::create_directories(options.out);
-  nn::require_writable_folder(options.out);
+  nn::make_writable_folder(options.out);
   const Interruption interruption;  // until the results are written
   run.run();
 }

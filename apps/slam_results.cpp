@@ -124,9 +124,7 @@ void prepare_places(const ResultPlaces& places) {
     if (!folder.empty() && folder != places.out && !std::filesystem::is_directory(folder, error))
       throw InputError(folder.string(), "a folder for the map", "none");
   }
-  std::filesystem::create_directories(places.out, error);
-  if (error) throw Error(fmt::format("{}: cannot be made: {}", places.out.string(), error.message()));
-  nn::require_writable_folder(places.out);
+  nn::make_writable_folder(places.out);
   if (!places.save_map.empty()) {
     const std::filesystem::path folder = places.save_map.parent_path();
     nn::require_writable_folder(folder.empty() ? "." : folder);

@@ -15,23 +15,24 @@ namespace {
 
 using nlohmann::json;
 
+// 0 where the file gives no side that an image can have: only masks need it, and say so then.
 int read_image_side(const JsonFields& fields, const char* key) {
   if (!fields.has(key)) return 0;
-  const std::int64_t side = fields.integer(key);
-  if (side < 1 || side > kLargestImageSide) {
-    fields.fail(key, fmt::format("1..{} pixels", kLargestImageSide), fmt::format("{}", side));
-  }
-  return static_cast<int>(side);
+  const std::optional<std::int64_t> side = whole_number(fields.at(key));
+  return side && *side >= 1 && *side <= kLargestImageSide ? static_cast<int>(*side) : 0;
 }
 
-// Absent, 0, 1, false or true.
+// Absent, false, true or a number, of which all but 0 are true.
 bool read_flag(const JsonFields& fields, const char* key) {
   if (!fields.has(key)) return false;
   const json& value = fields.at(key);
-  if (value.is_boolean()) return value.get<bool>();
-  const std::optional<std::int64_t> number = whole_number(value);
-  if (number != 0 && number != 1) fields.fail(key, "0 or 1", describe(value));
-  return number == 1;
+  return value.is_boolean() ? value.get<bool>() : fields.number(key) != 0.0;
+}
+
+// Names that a program has written as numbers are names all the same.
+std::string read_name(const JsonFields& fields, const char* key) {
+  if (!fields.has(key)) return {};
+  return fields.at(key).is_number() ? fields.at(key).dump() : fields.text(key);
 }
 
 CocoImage read_image(const JsonFields& fields) {
@@ -39,7 +40,7 @@ CocoImage read_image(const JsonFields& fields) {
   image.id = read_image_id(fields, "id");
   image.width = read_image_side(fields, "width");
   image.height = read_image_side(fields, "height");
-  if (fields.has("file_name")) image.file_name = fields.text("file_name");
+  image.file_name = read_name(fields, "file_name");
   return image;
 }
 
@@ -119,14 +120,16 @@ CocoSegmentation read_coco_mask(const JsonFields& fields, const CocoImage& image
     if (segmentation.is_missing()) {
       throw InputError(fields.place(), "a segmentation, as masks are to be evaluated", "none");
     }
-    if (image.width == 0 || image.height == 0) {
+    // A mask of run lengths carries its size.
+    if ((image.width == 0 || image.height == 0) && segmentation.mask.width == 0) {
       fields.fail(
           kKey,
           fmt::format("width and height of image {}, as masks are to be evaluated", to_string(image.id)),
           "none");
     }
     const RunMask& mask = segmentation.mask;
-    if (mask.width != 0 && (mask.width != image.width || mask.height != image.height)) {
+    const bool has_size = image.width != 0 && image.height != 0;
+    if (has_size && mask.width != 0 && (mask.width != image.width || mask.height != image.height)) {
       fields.fail("segmentation, size",
                   fmt::format("that of image {}, [{}, {}]", to_string(image.id), image.height, image.width),
                   fmt::format("[{}, {}]", mask.height, mask.width));
@@ -151,7 +154,7 @@ CocoAnnotations read_coco_images(const std::filesystem::path& path) {
       }
     } else {
       const std::int64_t id = fields.integer("id");
-      all.categories.push_back({id, fields.has("name") ? fields.text("name") : ""});
+      all.categories.push_back({id, read_name(fields, "name")});
       if (!all.category_of_id.emplace(id, all.categories.size() - 1).second) {
         fields.fail("id", "an id of its own", fmt::format("{} a second time", id));
       }

@@ -163,6 +163,13 @@ class Evaluation {
     return groups;
   }
 
+  // Of images without a size in the file the masks' own sizes count, and must be one.
+  void check_sizes(const CocoImage& image, const RunMask& a, const RunMask& b) const {
+    if (a.width == b.width && a.height == b.height) return;
+    throw InputError(fmt::format("{}: image {}", annotations_.file, to_string(image.id)), "masks of one size",
+                     fmt::format("{} x {} and {} x {} pixels", a.width, a.height, b.width, b.height));
+  }
+
   std::vector<double> overlaps(const Group& group) const {
     std::vector<double> ious;
     ious.reserve(group.detections.size() * group.objects.size());
@@ -181,6 +188,7 @@ class Evaluation {
       }
       for (std::size_t i = 0; i < group.objects.size(); ++i) {
         const CocoAnnotation& object = annotations_.annotations[group.objects[i]];
+        if (region_ == CocoRegion::masks) check_sizes(image, mask, objects[i]);
         ious.push_back(region_ == CocoRegion::masks
                            ? detection_iou(mask, objects[i], object.is_crowd)
                            : detection_iou(detection.box, object.box, object.is_crowd));

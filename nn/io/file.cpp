@@ -84,4 +84,11 @@ void write_file(const fs::path& path, std::string_view bytes, bool durable) {
 
 void require_writable_folder(const fs::path& folder) { FileInTheMaking(folder / ".penumbra"); }
 
+void make_writable_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+  require_writable_folder(folder);
+}
+
 }  // namespace penumbra::nn

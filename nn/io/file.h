@@ -23,5 +23,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes, bool 
 
 // Throws Error unless a file can be written in `folder`; leaves nothing there.
 void require_writable_folder(const std::filesystem::path& folder);
+// The same, and makes the folder where it is missing.
+void make_writable_folder(const std::filesystem::path& folder);
 
 }  // namespace penumbra::nn

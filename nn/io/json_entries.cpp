@@ -67,7 +67,11 @@ class EntryBuilder final : public nlohmann::json_sax<json> {
 
   bool parse_error(std::size_t position, const std::string&,
                    const nlohmann::json::exception& error) override {
-    fail(fmt::format("{}, byte {}", place(), position), "well-formed JSON", printable(error.what(), 200));
+    const std::string said = error.what();
+    const bool is_no_number =
+        said.find("'N'") != said.npos || said.find("'I'") != said.npos || said.find("'-I'") != said.npos;
+    fail(fmt::format("{}, byte {}", place(), position), "well-formed JSON",
+         is_no_number ? "NaN or Infinity, which Python writes and JSON does not have" : printable(said, 200));
   }
 
   void check_sections() const {

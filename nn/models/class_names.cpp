@@ -67,9 +67,26 @@ NameList listed_names(const StateDict& weights, const std::filesystem::path& fil
   return list;
 }
 
-std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place) {
+bool is_background(const std::string& name) {
+  return name == "background" || name == "__background__" || name == "_background_" || name == "BG";
+}
+
+std::vector<std::string> checked(std::vector<std::string> names, int classes, const std::string& place,
+                                 bool has_background) {
   const int count = static_cast<int>(names.size());
-  if (classes == static_cast<int>(kCoco.size()) && count == kCocoClasses) {
+  const bool is_coco = classes == static_cast<int>(kCoco.size());
+  // With one name more than outputs, one of a network without a background is not known to be it by counting.
+  const bool fits = count == classes - 1 || (is_coco && count == kCocoClasses) ||
+                    (count == classes && (has_background || is_background(names.front())));
+  if (!fits) {
+    const int outputs = is_coco ? kCocoClasses : classes - 1;
+    throw InputError(place,
+                     has_background
+                         ? fmt::format("{} class names (or {} without the background)", classes, classes - 1)
+                         : fmt::format("{} class names", outputs),
+                     fmt::format("{}", count));
+  }
+  if (is_coco && count == kCocoClasses) {
     std::vector<std::string> spread(kCoco.size(), "unused");
     spread[0] = "background";
     for (int c = 0; c < count; ++c) {
@@ -79,20 +96,15 @@ std::vector<std::string> checked(std::vector<std::string> names, int classes, co
     return spread;
   }
   if (count == classes - 1) names.insert(names.begin(), "background");
-  if (static_cast<int>(names.size()) != classes) {
-    throw InputError(place,
-                     fmt::format("{} class names (or {} without the background)", classes, classes - 1),
-                     fmt::format("{}", count));
-  }
   return names;
 }
 
 }  // namespace
 
-std::vector<std::string> class_names(const StateDict& weights, int classes,
-                                     const std::filesystem::path& file) {
+std::vector<std::string> class_names(const StateDict& weights, int classes, const std::filesystem::path& file,
+                                     bool has_background) {
   NameList list = listed_names(weights, file);
-  if (!list.place.empty()) return checked(std::move(list.names), classes, list.place);
+  if (!list.place.empty()) return checked(std::move(list.names), classes, list.place, has_background);
   if (classes == static_cast<int>(kCoco.size())) return {kCoco.begin(), kCoco.end()};
   std::vector<std::string> names{"background"};
   for (int c = 1; c < classes; ++c) names.push_back(fmt::format("class {}", c));

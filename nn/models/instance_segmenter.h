@@ -31,6 +31,8 @@ class InstanceSegmenter {
   // One more than the highest label: the background counts, and so do gaps in COCO's numbering.
   virtual int classes() const = 0;
   virtual bool has_masks() const = 0;
+  // Whether the network itself has an output for the background, which lists of its class names then count.
+  virtual bool has_background() const = 0;
 
   // Detections in order of falling score. `image` is 8-bit grey or BGR of any size, not empty (else
   // InputError). Activations live in `arena`, nothing in the network changes: threads may share a network if

@@ -55,6 +55,7 @@ class MaskRcnn : public InstanceSegmenter {
   std::string name() const override;
   int classes() const override { return box_head_.classes(); }
   bool has_masks() const override { return true; }
+  bool has_background() const override { return true; }
   bool has_attention() const { return pyramid_.has_attention(); }
 
   // The parts that benchmarks time: the extent of an image at the network, P2..P6 of a transformed image

@@ -4,11 +4,17 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "nn/io/state_dict.h"
 
 namespace penumbra::nn {
+
+// The keys that networks read; docs/formats.md says what each means. There are input_range.LAYER, too.
+inline constexpr std::string_view kMetadataKeys[] = {
+    "batch_norm_eps", "classes",  "network", "box_head_layers", "mask_head_layers", "anchor_sizes",
+    "min_size",       "max_size", "stride",  "source_format",   "rpn_candidates",   "rpn_proposals"};
 
 struct NumberRange {
   double least = 0.0, most = 0.0;  // both ends included

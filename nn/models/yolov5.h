@@ -39,6 +39,7 @@ class Yolov5 : public InstanceSegmenter {
   std::string name() const override { return shape_.name(); }
   int classes() const override;
   bool has_masks() const override { return head_.has_masks(); }
+  bool has_background() const override { return false; }
   const Yolov5Shape& shape() const { return shape_; }
 
   using InstanceSegmenter::detect;

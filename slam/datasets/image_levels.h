@@ -32,6 +32,8 @@ class ImageLevels {
   ImageLevels(std::span<const std::filesystem::path> images, std::optional<int> bits,
               std::vector<std::string>& notes);
 
+  // Of 16-bit files, that are taken to be used.
+  int bits() const { return bits_ == 0 ? 16 : bits_; }
   // As nn::read_image, with these levels.
   cv::Mat read(const std::filesystem::path& path, nn::ImageColour colour) const;
 

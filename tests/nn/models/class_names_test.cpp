@@ -5,6 +5,7 @@
 
 #include "nn/base/error.h"
 #include "nn/models/coco_categories.h"
+#include "tests/support/expect_error.h"
 
 namespace penumbra::nn {
 namespace {
@@ -29,6 +30,20 @@ TEST(ClassNames, AClassifiersListHasOneNameAnOutput) {
   weights.metadata["classes"] = "cat, dog";
   EXPECT_EQ(output_names(weights, 2, {}), (std::vector<std::string>{"cat", "dog"}));
   EXPECT_THROW(output_names(weights, 3, {}), InputError) << "no background is added";
+}
+
+// YOLO has no background: of one name too many nobody knows which, and class 0 must not take the second.
+TEST(ClassNames, ANetworkWithoutBackgroundHasOneNameAnOutput) {
+  StateDict weights;
+  weights.metadata["classes"] = "cat, dog";
+  EXPECT_EQ(class_names(weights, 3, {}, false), (std::vector<std::string>{"background", "cat", "dog"}));
+  weights.metadata["classes"] = "background, cat, dog";
+  EXPECT_EQ(class_names(weights, 3, {}, false)[1], "cat");
+  weights.metadata["classes"] = "cat, dog, cow";
+  EXPECT_EQ(class_names(weights, 3, {}, true)[1], "dog") << "the first is the background's";
+  test::expect_error<InputError>([&] { class_names(weights, 3, {}, false); },
+                                 {"metadata classes", "2 class names", "found 3"});
+  test::expect_error<InputError>([&] { class_names(weights, 91, {}, false); }, {"80 class names"});
 }
 
 }  // namespace
