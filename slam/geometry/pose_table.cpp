@@ -1,5 +1,7 @@
 #include "slam/geometry/pose_table.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cctype>
 #include <string_view>
@@ -7,80 +9,201 @@
 #include "nn/base/error.h"
 #include "nn/io/file.h"
 #include "nn/io/number_file.h"
+#include "slam/geometry/pose_columns.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-constexpr std::string_view kSeparators = " \t,;";
+constexpr std::string_view kBlanks = " \t\r\v\f";
+constexpr std::size_t kLongestList = 8;  // names that a note repeats
 
-// The words between separators; of "q_RS_w []" the unit is left out.
-std::vector<std::string> column_names(std::string_view header) {
-  std::vector<std::string> names;
-  while (true) {
-    const std::size_t begin = header.find_first_not_of("# \t,;");
-    if (begin == std::string_view::npos) return names;
-    header.remove_prefix(begin);
-    const std::size_t end = std::min(header.find_first_of(kSeparators), header.size());
-    std::string name(header.substr(0, end));
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (name.front() != '[') names.push_back(std::move(name));
-    header.remove_prefix(end);
-  }
+std::string_view trim(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
 }
 
-std::optional<bool> is_w_first(std::string_view header) {
-  const std::vector<std::string> names = column_names(header);
-  const auto place = [&](char axis) {
-    return std::find_if(names.begin(), names.end(), [&](const std::string& name) {
-      return name.size() > 1 && name.find('q') != std::string::npos && name.back() == axis;
-    });
+bool is_comment(std::string_view line) {
+  return line.front() == '#' || line.front() == '%' || line.substr(0, 2) == "//";
+}
+
+// A line of names, which may begin with one that is empty.
+bool is_header(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of("\"', \t;"), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of("\"', \t;"));
+  if (word.empty() || word == "nan" || word == "inf") return false;
+  return std::isalpha(static_cast<unsigned char>(word.front())) != 0 || word.front() == '_';
+}
+
+// Whether each comma stands between digits and something else separates the numbers.
+bool has_decimal_commas(std::string_view line) {
+  if (line.find(',') == std::string_view::npos || line.find_first_of("; \t") == std::string_view::npos)
+    return false;
+  const auto is_digit = [&](std::size_t i) {
+    return i < line.size() && std::isdigit(static_cast<unsigned char>(line[i])) != 0;
   };
-  const auto w = place('w'), x = place('x');
-  if (w == names.end() || x == names.end()) return std::nullopt;
-  return w < x;
+  bool is_second = false;  // of one number
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == ';' || line[i] == ' ' || line[i] == '\t') is_second = false;
+    if (line[i] != ',') continue;
+    if (is_second || i == 0 || !is_digit(i - 1) || !is_digit(i + 1)) return false;
+    is_second = true;
+  }
+  return true;
 }
 
-std::string_view first_word(std::string_view line) {
-  return line.substr(0, std::min(line.find_first_of(kSeparators), line.size()));
+std::vector<std::string_view> split(std::string_view line) {
+  const bool by_blanks = line.find_first_of(",;") == std::string_view::npos;
+  const std::string_view separators = by_blanks                                  ? kBlanks
+                                      : line.find(';') != std::string_view::npos ? std::string_view(";")
+                                                                                 : std::string_view(",");
+  std::vector<std::string_view> fields;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
+    const std::string_view field = trim(line.substr(begin, end - begin));
+    begin = end + 1;
+    if (!field.empty() || !by_blanks) fields.push_back(field);
+  }
+  while (!fields.empty() && fields.back().empty()) fields.pop_back();
+  return fields;
 }
+
+class PoseTableReader {
+ public:
+  explicit PoseTableReader(const std::filesystem::path& path) {
+    table_.path = path.string();
+    text_ = nn::read_text_file(path, "a text file with a pose in each line");
+  }
+
+  PoseTable read() {
+    for (std::size_t start = 0; start < text_.size();) {
+      const std::size_t end = std::min(text_.find('\n', start), text_.size());
+      const std::string_view line = trim(std::string_view(text_).substr(start, end - start));
+      start = end + 1;
+      ++number_;
+      if (line.empty()) continue;
+      const bool comment = is_comment(line);
+      if (comment || (table_.lines.empty() && is_header(line))) {
+        if (table_.lines.empty() && !table_.is_named) add_header(line, comment);
+      } else {
+        add_pose(line);
+      }
+    }
+    if (table_.lines.empty()) throw InputError(table_.path, "at least one pose", "none");
+    add_notes();
+    return std::move(table_);
+  }
+
+ private:
+  std::string place() const { return fmt::format("{}:{}", table_.path, number_); }
+
+  void add_header(std::string_view line, bool comment) {
+    const std::vector<std::string> names = column_names(line);
+    columns_ = find_pose_columns(names, comment, place());
+    header_is_comment_ = comment;
+    table_.is_named = columns_.has_value();
+    if (columns_ || !table_.w_first) table_.w_first = is_w_first(names);
+  }
+
+  void add_pose(std::string_view text) {
+    std::string line(text.substr(0, text.find('#')));
+    line.erase(std::remove(line.begin(), line.end(), '"'), line.end());
+    if (has_decimal_commas(line)) {
+      std::replace(line.begin(), line.end(), ',', '.');
+      decimal_commas_ = true;
+    }
+    table_.has_commas = table_.has_commas || line.find_first_of(",;") != std::string::npos;
+    const std::vector<std::string_view> fields = split(line);
+    if (table_.lines.empty()) begin(fields.size());
+    PoseLine pose{number_, {}, {}};
+    if (columns_) {
+      read_named(fields, pose);
+    } else {
+      if (!fields.empty()) pose.first = parse_file_time(fields.front(), place());
+      for (const std::string_view field : fields) pose.values.push_back(number(field));
+    }
+    table_.lines.push_back(std::move(pose));
+  }
+
+  // A comment whose names are not those of the columns is prose.
+  void begin(std::size_t fields) {
+    fields_ = fields;
+    if (!columns_) return;
+    const std::size_t names = columns_->names.size();
+    if (header_is_comment_ && fields < columns_->end()) {
+      columns_.reset();
+      table_.is_named = false;
+    } else if (fields < columns_->end() || (fields > names && !header_is_comment_)) {
+      throw InputError(place(), fmt::format("{} fields, as the header has names", names),
+                       fmt::format("{}", fields));
+    }
+  }
+
+  void read_named(const std::vector<std::string_view>& fields, PoseLine& pose) {
+    if (fields.size() != fields_) {
+      throw InputError(place(), fmt::format("{} fields as in the first line", fields_),
+                       fmt::format("{}", fields.size()));
+    }
+    if (columns_->time) {
+      pose.first = parse_file_time(fields[*columns_->time], place());
+      if (columns_->nanoseconds) add_nanoseconds(fields[*columns_->nanoseconds], pose.first);
+      pose.values.push_back(pose.first.value);
+    }
+    for (const std::size_t i : columns_->position) pose.values.push_back(number(fields[i]));
+    for (const std::size_t i : columns_->quaternion) pose.values.push_back(number(fields[i]));
+  }
+
+  void add_nanoseconds(std::string_view field, FileTime& time) const {
+    constexpr std::int64_t kBillion = 1'000'000'000;
+    const FileTime part = parse_file_time(field, place());
+    const bool fits = time.whole && part.whole && std::abs(*time.whole) < kBillion * 9 && *part.whole >= 0 &&
+                      *part.whole < kBillion;
+    if (!fits) {
+      throw InputError(place(), "whole seconds and 0 to 999999999 nanoseconds",
+                       fmt::format("{:.10g} and {:.10g}", time.value, part.value));
+    }
+    const std::int64_t whole = *time.whole * kBillion + *part.whole;
+    time = {static_cast<double>(whole), whole};
+  }
+
+  double number(std::string_view field) const {
+    const std::vector<double> numbers = nn::parse_numbers(field, place());
+    if (numbers.size() != 1)
+      throw InputError(place(), "a number", numbers.empty() ? "an empty field" : "several in one field");
+    return numbers.front();
+  }
+
+  void add_notes() {
+    if (decimal_commas_)
+      table_.notes.push_back(fmt::format("{}: the commas are taken as decimal commas", table_.path));
+    if (!columns_) return;
+    table_.unit = columns_->nanoseconds ? TimeUnit::nanoseconds : columns_->unit;
+    if (columns_->time_is_index) {
+      table_.notes.push_back(fmt::format("{}: no column of times; '{}' is taken", table_.path,
+                                         columns_->names[*columns_->time]));
+    }
+    std::vector<std::string> names = columns_->left_out();
+    const std::size_t unnamed = fields_ - std::min(fields_, columns_->names.size());
+    const std::size_t count = names.size() + unnamed;
+    if (count == 0) return;
+    names.resize(std::min(names.size(), kLongestList));
+    if (names.size() < count) names.push_back(fmt::format("{} more", count - names.size()));
+    table_.notes.push_back(fmt::format("{}: columns that are no part of a pose are left out: {}", table_.path,
+                                       fmt::join(names, ", ")));
+  }
+
+  PoseTable table_;
+  std::string text_;
+  int number_ = 0;          // of the line
+  std::size_t fields_ = 0;  // of the first line
+  std::optional<PoseColumns> columns_;
+  bool header_is_comment_ = false, decimal_commas_ = false;
+};
 
 }  // namespace
 
 std::string PoseTable::place(const PoseLine& line) const { return fmt::format("{}:{}", path, line.line); }
 
-PoseTable read_pose_table(const std::filesystem::path& path) {
-  PoseTable table;
-  table.path = path.string();
-  std::string text = nn::read_text_file(path, "a text file with a pose in each line");
-  int number = 0;
-  for (std::size_t start = 0; start < text.size();) {
-    const std::size_t end = std::min(text.find('\n', start), text.size());
-    const std::size_t first = std::min(text.find_first_not_of(" \t\v\f", start), end);
-    std::string_view line = std::string_view(text).substr(first, end - first);
-    start = end + 1;
-    ++number;
-    if (line.empty()) continue;
-    const std::string_view word = first_word(line);
-    const bool is_header = table.lines.empty() &&
-                           std::isalpha(static_cast<unsigned char>(line.front())) != 0 && word != "nan" &&
-                           word != "inf";
-    if (line.front() == '#' || is_header) {
-      if (!table.w_first && table.lines.empty()) table.w_first = is_w_first(line);
-      continue;
-    }
-    PoseLine pose{number, {}, {}};
-    const std::string place = fmt::format("{}:{}", table.path, number);
-    const auto is_comma = [](char c) { return c == ',' || c == ';'; };
-    table.has_commas = table.has_commas || std::any_of(line.begin(), line.end(), is_comma);
-    pose.first = parse_file_time(word, place);
-    std::string blanks(line);
-    std::replace_if(blanks.begin(), blanks.end(), is_comma, ' ');
-    pose.values = nn::parse_numbers(blanks, place);
-    table.lines.push_back(std::move(pose));
-  }
-  if (table.lines.empty()) throw InputError(table.path, "at least one pose", "none");
-  return table;
-}
+PoseTable read_pose_table(const std::filesystem::path& path) { return PoseTableReader(path).read(); }
 
 }  // namespace penumbra::slam

@@ -1,8 +1,10 @@
 // Text files with one pose a line, as tables of numbers: what all formats of trajectories have in common.
 //
-// Numbers are separated by blanks, commas or semicolons. Lines that start with '#' are comments, and so is a
-// first line of names. A comment or such a line that names the columns says whether a quaternion's w comes
-// before its x.
+// Numbers are separated by blanks, commas or semicolons, and may be quoted. Commas between digits are decimal
+// commas where semicolons or blanks separate. Lines that start with '#', '%' or "//" are comments, and so are
+// a first line of names and what follows a '#'. Where such a line before the poses names the columns
+// (slam/geometry/pose_columns.h), they are put into TUM's order and the others are left out; a line that only
+// names a quaternion says whether its w comes first.
 #pragma once
 
 #include <filesystem>
@@ -22,13 +24,17 @@ struct PoseLine {
 
 struct PoseTable {
   std::string path;
-  std::vector<PoseLine> lines;  // at least one
-  bool has_commas = false;
-  std::optional<bool> w_first;                    // what the names of the columns say
+  std::vector<PoseLine> lines;   // at least one
+  bool has_commas = false;       // or semicolons
+  bool is_named = false;         // the columns have names: the values are [t] x y z qx qy qz qw
+  std::optional<bool> w_first;   // of the quaternions in the file, as names say
+  std::optional<TimeUnit> unit;  // of the times, as the names say
+  std::vector<std::string> notes;
   std::string place(const PoseLine& line) const;  // "file:line"
 };
 
-// Throws InputError (file:line) for a word that is no finite number, and where there is no line.
+// Throws InputError (file:line) for a word that is no finite number, names that are not those of a pose,
+// lines that do not have as many fields as names, and where there is no line.
 PoseTable read_pose_table(const std::filesystem::path& path);
 
 }  // namespace penumbra::slam

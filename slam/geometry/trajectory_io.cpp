@@ -105,8 +105,20 @@ void say_unequal(Notes* notes, const std::string& path, std::size_t unequal, std
                          path, unequal, count));
 }
 
-Trajectory read_timed(const PoseTable& table, const TimeRule& rule, const QuaternionColumns& at,
-                      Notes* notes) {
+constexpr QuaternionColumns kScalarLast{1, 4, 7}, kScalarFirst{1, 5, 4};
+
+// How the table was read.
+void say_all(Notes* notes, const PoseTable& table) {
+  for (const std::string& note : table.notes) say(notes, note);
+}
+
+void require_times(const PoseTable& table) {
+  if (table.is_named && table.lines.front().values.size() < 8)
+    throw InputError(table.path, "a column of times", "none among the names of the columns");
+}
+
+Trajectory read_timed(const PoseTable& table, TimeRule rule, const QuaternionColumns& at, Notes* notes) {
+  if (table.unit) rule.documented = table.unit;
   Notes unit;
   std::vector<FileTime> times;
   for (const PoseLine& line : table.lines) times.push_back(line.first);
@@ -162,21 +174,24 @@ void write_kitti_poses(const std::filesystem::path& path, const Trajectory& traj
 
 Trajectory read_tum_trajectory(const std::filesystem::path& path, Notes* notes) {
   const PoseTable table = read_pose_table(path);
+  require_times(table);
   for (const PoseLine& line : table.lines) require_count(table, line, 8, "a pose 't tx ty tz qx qy qz qw'");
+  say_all(notes, table);
   const bool w_first = table.w_first.value_or(false);
   if (w_first)
     say(notes, fmt::format("{}: the quaternions are taken as qw qx qy qz, as the header says", table.path));
-  return read_timed(table, kPoseSeconds, w_first ? QuaternionColumns{1, 5, 4} : QuaternionColumns{1, 4, 7},
-                    notes);
+  return read_timed(table, kPoseSeconds, w_first && !table.is_named ? kScalarFirst : kScalarLast, notes);
 }
 
 Trajectory read_euroc_trajectory(const std::filesystem::path& path, Notes* notes) {
   const PoseTable table = read_pose_table(path);
+  require_times(table);
   for (const PoseLine& line : table.lines) {
     if (line.values.size() >= 8) continue;
     throw InputError(table.place(line), "at least 8 numbers: NANOSECONDS,x,y,z,qw,qx,qy,qz,...",
                      fmt::format("{}", line.values.size()));
   }
+  say_all(notes, table);
   const bool w_first = table.w_first.value_or(true);
   if (!table.w_first) {
     say(notes,
@@ -184,8 +199,7 @@ Trajectory read_euroc_trajectory(const std::filesystem::path& path, Notes* notes
   }
   if (!w_first)
     say(notes, fmt::format("{}: the quaternions are taken as qx qy qz qw, as the header says", table.path));
-  return read_timed(table, kPoseNanoseconds,
-                    w_first ? QuaternionColumns{1, 5, 4} : QuaternionColumns{1, 4, 7}, notes);
+  return read_timed(table, kPoseNanoseconds, w_first && !table.is_named ? kScalarFirst : kScalarLast, notes);
 }
 
 Trajectory read_tartanair_trajectory(const std::filesystem::path& path, Notes* notes) {
@@ -197,6 +211,7 @@ Trajectory read_tartanair_trajectory(const std::filesystem::path& path, Notes* n
     trajectory.push_back(
         {static_cast<double>(trajectory.size()), read_pose(table, line, {0, 3, 6}, unequal)});
   }
+  say_all(notes, table);
   say_unequal(notes, table.path, unequal, trajectory.size());
   say(notes,
       fmt::format(
@@ -244,6 +259,8 @@ Trajectory read_trajectory(const std::filesystem::path& path, TrajectoryFormat f
 TrajectoryFormat detect_trajectory_format(const std::filesystem::path& path) {
   const PoseTable table = read_pose_table(path);
   const std::size_t count = table.lines.front().values.size();
+  if (table.is_named && count == 7) return TrajectoryFormat::tartanair;
+  if (table.is_named) return table.has_commas ? TrajectoryFormat::euroc : TrajectoryFormat::tum;
   if (count == 12 || (!table.has_commas && (count == 13 || count == 16 || count == 17)))
     return TrajectoryFormat::kitti;
   if (table.has_commas && count >= 8) return TrajectoryFormat::euroc;

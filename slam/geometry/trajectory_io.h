@@ -8,9 +8,10 @@
 //   EuRoC      t,tx,ty,tz,qw,qx,qy,qz,...                        nanoseconds; TUM-VI's and ASL's csv, too
 //   TartanAir  tx ty tz qx qy qz qw                              one line a frame
 //
-// Files with commas are EuRoC's unless a header names qx before qw; a header that names qw first is believed
-// in TUM's files, too. Times: slam/geometry/time_unit.h. Lines need not be in the order of time, nor
-// quaternions of length 1: they are sorted and divided by their length (as evo does), and a note says so.
+// Files with commas are EuRoC's. A header that names the columns is believed in every format with times, and
+// columns that are no part of a pose are left out (slam/geometry/pose_table.h). Times:
+// slam/geometry/time_unit.h. Lines need not be in the order of time, nor quaternions of length 1: they are
+// sorted and divided by their length (as evo does), and a note says so.
 //
 // Readers throw InputError naming file and line: a wrong number of columns, something not a number, NaN, a
 // matrix that is no rotation (an entry of R^T R off by more than kRotationTolerance, or det R < 0), a
@@ -57,7 +58,8 @@ Trajectory read_tartanair_trajectory(const std::filesystem::path& path, Notes* n
 
 Trajectory read_trajectory(const std::filesystem::path& path, TrajectoryFormat format,
                            Notes* notes = nullptr);
-// By the first record's number of columns and its commas. Throws InputError for any other.
+// By the names of the columns, else the first record's number of columns and its commas. Throws InputError
+// for any other.
 TrajectoryFormat detect_trajectory_format(const std::filesystem::path& path);
 
 }  // namespace penumbra::slam

@@ -116,7 +116,8 @@ TEST_F(TrajectoryIo, CsvIsEurocsUnlessTheHeaderSaysOtherwise) {
   const std::string numbers =
       "1600000000000000000,1,2,3,0.70710678,0,0,0.70710678,9,9\n1600000000100000000,1,2,3,1,0,0,0,9,9\n";
   const std::string header =
-      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n";
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
+      "v_RS_R_x [m s^-1], v_RS_R_y [m s^-1]\n";
   EXPECT_EQ(detect_trajectory_format(file(header + numbers)), TrajectoryFormat::euroc);
   const Trajectory read = read_euroc_trajectory(file(header + numbers), &notes);
   EXPECT_TRUE(notes.empty());
