@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +34,12 @@ struct EvalOptions {
   bool json = false;
 };
 
+std::string check_finite(const std::string& text) {
+  double value = 0.0;
+  if (!CLI::detail::lexical_cast(text, value) || std::isfinite(value)) return {};
+  return fmt::format("{} is not a finite number", text);
+}
+
 void write_plot(const EvalOptions& options, const slam::TrajectoryPair& pair,
                 const slam::Evaluation& evaluation, slam::TrajectoryFormat format) {
   slam::TrajectoryPlotOptions plot;
@@ -55,12 +63,13 @@ void run_eval(EvalOptions options) {
         "the path is straight or does not move: of the alignments that fit equally, the smallest turn is "
         "used");
   }
-  if (!options.plot.empty()) write_plot(options, pair, evaluation, paired.format);
   if (options.json) {
     fmt::print("{}\n", evaluation_json(evaluation, options.evaluation).dump(2));
   } else {
     fmt::print("{}", evaluation_table(evaluation, options.evaluation));
   }
+  std::fflush(stdout);  // the numbers are out, whatever happens to the picture
+  if (!options.plot.empty()) write_plot(options, pair, evaluation, paired.format);
 }
 
 }  // namespace
@@ -91,20 +100,26 @@ void add_eval_command(CLI::App& app) {
       ->add_option("--segments", options->evaluation.segment_lengths,
                    "lengths of the KITTI drift's segments in metres (default 100,200,...,800)")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber)
+      ->check(check_finite);
   command->add_option("--rpe-frames", options->evaluation.rpe_frames, "step of the RPE in frames")
       ->check(CLI::PositiveNumber)
+      ->check(check_finite)
       ->capture_default_str();
   command->add_option("--rpe-metres", options->evaluation.rpe_metres, "step of the RPE in metres")
       ->check(CLI::PositiveNumber)
+      ->check(check_finite)
       ->capture_default_str();
   command
       ->add_option("--max-time-difference", pairing.max_time_difference,
                    "seconds between poses that belong together; files with times only")
       ->check(CLI::NonNegativeNumber)
+      ->check(check_finite)
       ->capture_default_str();
-  command->add_option("--time-offset", pairing.time_offset,
-                      "seconds to add to the estimate's times before they are compared");
+  command
+      ->add_option("--time-offset", pairing.time_offset,
+                   "seconds to add to the estimate's times before they are compared")
+      ->check(check_finite);
   command->add_option("--plot", options->plot, "also draw both paths from above into this .png or .jpg");
   command->add_flag("--json", options->json, "print JSON instead of tables");
   command->callback([options] { run_eval(*options); });

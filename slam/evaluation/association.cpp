@@ -30,6 +30,28 @@ std::string span_of(const Trajectory& t) {
                    : fmt::format("{:.3f}..{:.3f} s", t.front().timestamp, t.back().timestamp);
 }
 
+// What to add to the estimate's times so that they are those of the nearest true poses: the median distance,
+// with both signs where the nearest before and after are about as far.
+std::string offset_to_nearest(const Trajectory& reference, const Trajectory& estimate) {
+  constexpr double kAboutAsFar = 1.1;
+  const std::vector<double> times = times_of(reference);
+  std::vector<double> distances;
+  std::size_t earlier = 0, later = 0;
+  for (const TimedPose& pose : estimate) {
+    const double time = pose.timestamp;
+    const double distance = std::abs(times[nearest_in_time(times, time)] - time);
+    const auto after = std::lower_bound(times.begin(), times.end(), time);
+    if (after != times.end() && *after - time <= kAboutAsFar * distance) ++later;
+    if (after != times.begin() && time - *std::prev(after) <= kAboutAsFar * distance) ++earlier;
+    distances.push_back(distance);
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>((distances.size() - 1) / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  if (10 * std::min(earlier, later) > distances.size())
+    return fmt::format("{:.6f} or {:.6f}", -*middle, *middle);
+  return fmt::format("{:.6f}", later > earlier ? *middle : -*middle);
+}
+
 // Why no times are the same.
 std::string hint(const Trajectory& reference, const Trajectory& estimate, double max_difference) {
   if (reference.empty() || estimate.empty()) return {};
@@ -44,7 +66,10 @@ std::string hint(const Trajectory& reference, const Trajectory& estimate, double
   const bool apart = reference.front().timestamp > estimate.back().timestamp ||
                      estimate.front().timestamp > reference.back().timestamp;
   if (apart) return fmt::format(": the clocks differ (if both begin together: --time-offset {:.6f})", offset);
-  return fmt::format(": the times lie between each other (--max-time-difference is {:g} s)", max_difference);
+  return fmt::format(
+      ": the times lie between each other, usually as far as --time-offset {} would make up for "
+      "(--max-time-difference is {:g} s)",
+      offset_to_nearest(reference, estimate), max_difference);
 }
 
 }  // namespace
