@@ -85,7 +85,8 @@ void add_eval_command(CLI::App& app) {
                    "ground truth poses: KITTI, TUM, EuRoC (csv) or TartanAir format")
       ->required();
   command->add_option("--estimate", pairing.estimate, "estimated poses, in any of these formats")->required();
-  command->add_option("--format", pairing.format, "auto looks at the number of columns")
+  command
+      ->add_option("--format", pairing.format, "auto looks at the names of the columns, else at their number")
       ->check(CLI::IsMember({"auto", "kitti", "tum", "euroc", "tartanair"}))
       ->capture_default_str();
   command

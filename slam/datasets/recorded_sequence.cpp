@@ -152,7 +152,7 @@ class RecordedSequence final : public StereoDataset {
     const auto longest = std::max_element(steps.begin(), steps.end());
     r_.notes.push_back(
         fmt::format("frames are missing in {} places: the longest gap, of {:.3g} s, is after frame {}; "
-                    "the usual step is {:.3g} s",
+                    "frames are usually {:.3g} s apart",
                     gaps, *longest, frame(static_cast<int>(longest - steps.begin())).index, usual));
   }
 

@@ -47,7 +47,8 @@ std::optional<TimeUnit> unit_of(std::string_view word) {
   return std::nullopt;
 }
 
-// The words of a name in lower case, its unit the last: "p_RS_R_x [m]" p rs r x m, "positionX" position x.
+// The words of a name in lower case, the axis the last: "p_RS_R_x [m]" p rs r x, "positionX" and "x_position"
+// position x.
 struct ColumnName {
   Words words;
   std::string unit;
@@ -71,6 +72,12 @@ ColumnName parse_name(std::string_view text) {
     was_lower = std::islower(byte) != 0;
     name.words.back() += static_cast<char>(std::tolower(byte));
   }
+  if (!name.words.empty() && is_one_of(name.words.back(), {"m", "meters", "metres"})) name.words.pop_back();
+  const auto is_axis = [](const std::string& word) {
+    return word.size() == 1 && kAxes.find(word.front()) != std::string_view::npos;
+  };
+  if (name.words.size() == 2 && is_axis(name.words.front()) && !is_axis(name.words.back()))
+    std::swap(name.words.front(), name.words.back());
   return name;
 }
 

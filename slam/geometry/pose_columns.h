@@ -4,7 +4,7 @@
 //
 //   time        t, time, timestamp, stamp, ts, with units "[ns]", "(s)", "_ns"; sec and nsec together; where
 //               there is none: frame, index, id, seq
-//   position    x, tx, px, pos_x, position.x, translation.x, p_RS_R_x
+//   position    x, tx, px, pos_x, x_pos, position.x, translation.x, p_RS_R_x
 //   quaternion  qx, q_x, q_RS_x, quat_x, orientation.x, rotation.x; rx where there is an rw
 //
 // All other columns are left out.

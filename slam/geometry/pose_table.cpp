@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "nn/base/error.h"
+#include "nn/base/text.h"
 #include "nn/io/file.h"
 #include "nn/io/number_file.h"
 #include "slam/geometry/pose_columns.h"
@@ -32,7 +33,8 @@ bool is_header(std::string_view line) {
   line.remove_prefix(std::min(line.find_first_not_of("\"', \t;"), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of("\"', \t;"));
   if (word.empty() || word == "nan" || word == "inf") return false;
-  return std::isalpha(static_cast<unsigned char>(word.front())) != 0 || word.front() == '_';
+  return std::isalpha(static_cast<unsigned char>(word.front())) != 0 || word.front() == '_' ||
+         word.front() == '/';
 }
 
 // Whether each comma stands between digits and something else separates the numbers.
@@ -103,6 +105,7 @@ class PoseTableReader {
     header_is_comment_ = comment;
     table_.is_named = columns_.has_value();
     if (columns_ || !table_.w_first) table_.w_first = is_w_first(names);
+    if (!columns_ && !comment) unknown_names_ = {place(), names};
   }
 
   void add_pose(std::string_view text) {
@@ -128,6 +131,11 @@ class PoseTableReader {
   // A comment whose names are not those of the columns is prose.
   void begin(std::size_t fields) {
     fields_ = fields;
+    const bool may_be_matrix = fields == 12 || fields == 13 || fields == 16 || fields == 17;
+    if (!columns_ && unknown_names_.names.size() == fields && !may_be_matrix) {
+      throw InputError(unknown_names_.place, "names of columns that are known, such as t x y z qx qy qz qw",
+                       printable(fmt::format("{}", fmt::join(unknown_names_.names, ", "))));
+    }
     if (!columns_) return;
     const std::size_t names = columns_->names.size();
     if (header_is_comment_ && fields < columns_->end()) {
@@ -156,8 +164,10 @@ class PoseTableReader {
   void add_nanoseconds(std::string_view field, FileTime& time) const {
     constexpr std::int64_t kBillion = 1'000'000'000;
     const FileTime part = parse_file_time(field, place());
-    const bool fits = time.whole && part.whole && std::abs(*time.whole) < kBillion * 9 && *part.whole >= 0 &&
-                      *part.whole < kBillion;
+    const auto is_within = [](const FileTime& t, std::int64_t low, std::int64_t high) {
+      return t.whole && *t.whole >= low && *t.whole < high;
+    };
+    const bool fits = is_within(time, -9 * kBillion, 9 * kBillion) && is_within(part, 0, kBillion);
     if (!fits) {
       throw InputError(place(), "whole seconds and 0 to 999999999 nanoseconds",
                        fmt::format("{:.10g} and {:.10g}", time.value, part.value));
@@ -198,6 +208,10 @@ class PoseTableReader {
   std::size_t fields_ = 0;  // of the first line
   std::optional<PoseColumns> columns_;
   bool header_is_comment_ = false, decimal_commas_ = false;
+  struct {
+    std::string place;
+    std::vector<std::string> names;
+  } unknown_names_;  // of a header that is no comment
 };
 
 }  // namespace

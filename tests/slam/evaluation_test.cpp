@@ -160,6 +160,12 @@ TEST(Association, WithoutACommonTimeIsRefused) {
   for (TimedPose& pose : late) pose.timestamp += 100.0;
   expect_error<InputError>([&] { associate_by_time(straight(3, 1.0), late); },
                            {"within 0.01 s", "0.000..2.000 s", "100.000..102.000 s"});
+  Trajectory near = straight(9, 1.0);
+  for (TimedPose& pose : near) pose.timestamp += 0.2;
+  expect_error<InputError>([&] { associate_by_time(straight(9, 1.0), near); }, {"--time-offset -0.200000 "});
+  for (TimedPose& pose : near) pose.timestamp += 0.3;
+  expect_error<InputError>([&] { associate_by_time(straight(9, 1.0), near); },
+                           {"--time-offset -0.500000 or 0.500000"});
   expect_error<InputError>([&] { associate_by_time({}, late); }, {"no pose"});
   expect_error<InputError>([&] { associate_by_time({}, {}); }, {"no pose"});
 }

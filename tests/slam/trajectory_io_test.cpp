@@ -135,6 +135,30 @@ TEST_F(TrajectoryIo, CsvIsEurocsUnlessTheHeaderSaysOtherwise) {
                            {"poses.txt:1", "at least 8 numbers"});
 }
 
+TEST_F(TrajectoryIo, AHeaderOfUnknownNamesIsRefusedAndATitleIsNot) {
+  expect_error<InputError>([&] { read_euroc_trajectory(file("a,b,c,d,e,f,g,h\n0,0,0,0,1,0,0,0\n")); },
+                           {"poses.txt:1", "names of columns that are known", "a, b, c"});
+  EXPECT_EQ(read_tum_trajectory(file("poses of run 7\n0 0 0 0 0 0 0 1\n")).size(), 1U);
+  EXPECT_EQ(read_kitti_poses(file("a b c d e f g h i j k l\n1 0 0 5 0 1 0 6 0 0 1 7\n")).size(), 1U);
+}
+
+TEST_F(TrajectoryIo, NamedColumnsMayHoldTextButNoHoles) {
+  const std::string header = "stamp_sec,stamp_nanosec,frame,x,y,z,qw,qx,qy,qz\n";
+  Notes notes;
+  const Trajectory read = read_euroc_trajectory(
+      file(header + "1600000000,5,map,1,2,3,1,0,0,0\n1600000000,100000005,map,1,2,3,1,0,0,0\n"), &notes);
+  EXPECT_EQ(read[0].T_wc.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(read[1].timestamp - read[0].timestamp, 0.1, 1e-6);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("left out: frame"), std::string::npos) << notes[0];
+  expect_error<InputError>([&] { read_euroc_trajectory(file(header + "1600000000,5,map,1,,3,1,0,0,0\n")); },
+                           {"poses.txt:2", "an empty field"});
+  expect_error<InputError>([&] { read_euroc_trajectory(file(header + "1600000000,5,map,1,3,1,0,0,0\n")); },
+                           {"poses.txt:2", "10 fields", "9"});
+  expect_error<InputError>([&] { read_euroc_trajectory(file(header + "1600000000,2e9,a,1,2,3,1,0,0,0\n")); },
+                           {"0 to 999999999 nanoseconds"});
+}
+
 TEST_F(TrajectoryIo, KittiLinesMayHoldTheLastRowAndTheFrame) {
   const std::string pose = "1 0 0 5 0 1 0 6 0 0 1 7", last = " 0 0 0 1";
   for (const std::string& text : {pose + last + "\n", "3 " + pose + "\n", "3 " + pose + last + "\n"}) {

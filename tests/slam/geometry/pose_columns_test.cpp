@@ -40,6 +40,11 @@ TEST(PoseColumns, AreFoundByTheNamesThatDataSetsAndToolsUse) {
       "field.pose.pose.orientation.y,field.pose.pose.orientation.z,field.pose.pose.orientation.w,"
       "field.twist.twist.linear.x,field.twist.twist.linear.y,field.twist.twist.linear.z",
       2, {4, 5, 6}, {7, 8, 9, 10});
+  expect_columns(
+      "__time,/odom/pose/position/x,/odom/pose/position/y,/odom/pose/position/z,/odom/pose/orientation/x,"
+      "/odom/pose/orientation/y,/odom/pose/orientation/z,/odom/pose/orientation/w",
+      0, {1, 2, 3}, {4, 5, 6, 7});
+  expect_columns("t,x_m,y_m,z_m,w_x,w_y,w_z,q_w,q_x,q_y,q_z", 0, {1, 2, 3}, {8, 9, 10, 7});
   expect_columns("t,vx,vy,vz,wx,wy,wz,gt_x,gt_y,gt_z,quat_w,quat_x,quat_y,quat_z", 0, {7, 8, 9},
                  {11, 12, 13, 10});
 }
