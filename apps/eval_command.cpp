@@ -3,14 +3,15 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/commands.h"
 #include "apps/evaluation_report.h"
+#include "apps/finite_number.h"
 #include "apps/trajectory_pairing.h"
 #include "nn/io/image_file.h"
 #include "slam/evaluation/trajectory_plot.h"
@@ -33,12 +34,6 @@ struct EvalOptions {
   slam::EvaluationOptions evaluation;
   bool json = false;
 };
-
-std::string check_finite(const std::string& text) {
-  double value = 0.0;
-  if (!CLI::detail::lexical_cast(text, value) || std::isfinite(value)) return {};
-  return fmt::format("{} is not a finite number", text);
-}
 
 void write_plot(const EvalOptions& options, const slam::TrajectoryPair& pair,
                 const slam::Evaluation& evaluation, slam::TrajectoryFormat format) {
@@ -80,6 +75,7 @@ void add_eval_command(CLI::App& app) {
       "eval", "Compare an estimated trajectory with the ground truth: APE, RPE, KITTI drift");
   command->footer(kEvalExamples);
   PairingOptions& pairing = options->pairing;
+  constexpr double kMost = std::numeric_limits<double>::max();
   command
       ->add_option("--groundtruth", pairing.ground_truth,
                    "ground truth poses: KITTI, TUM, EuRoC (csv) or TartanAir format")
@@ -101,26 +97,22 @@ void add_eval_command(CLI::App& app) {
       ->add_option("--segments", options->evaluation.segment_lengths,
                    "lengths of the KITTI drift's segments in metres (default 100,200,...,800)")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->check(check_finite);
+      ->check(number_above_zero());
   command->add_option("--rpe-frames", options->evaluation.rpe_frames, "step of the RPE in frames")
-      ->check(CLI::PositiveNumber)
-      ->check(check_finite)
+      ->check(number_above_zero())
       ->capture_default_str();
   command->add_option("--rpe-metres", options->evaluation.rpe_metres, "step of the RPE in metres")
-      ->check(CLI::PositiveNumber)
-      ->check(check_finite)
+      ->check(number_above_zero())
       ->capture_default_str();
   command
       ->add_option("--max-time-difference", pairing.max_time_difference,
                    "seconds between poses that belong together; files with times only")
-      ->check(CLI::NonNegativeNumber)
-      ->check(check_finite)
+      ->check(number_from(0.0, kMost, "seconds from 0"))
       ->capture_default_str();
   command
       ->add_option("--time-offset", pairing.time_offset,
                    "seconds to add to the estimate's times before they are compared")
-      ->check(check_finite);
+      ->check(number_from(-kMost, kMost, "a finite number"));
   command->add_option("--plot", options->plot, "also draw both paths from above into this .png or .jpg");
   command->add_flag("--json", options->json, "print JSON instead of tables");
   command->callback([options] { run_eval(*options); });
