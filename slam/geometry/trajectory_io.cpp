@@ -49,8 +49,18 @@ void require_count(const PoseTable& table, const PoseLine& line, std::size_t cou
                    fmt::format("{} numbers", line.values.size()));
 }
 
-Trajectory read_matrices(const std::filesystem::path& path) {
+void say(Notes* notes, std::string note) {
+  if (notes != nullptr) notes->push_back(std::move(note));
+}
+
+// How the table was read.
+void say_all(Notes* notes, const PoseTable& table) {
+  for (const std::string& note : table.notes) say(notes, note);
+}
+
+Trajectory read_matrices(const std::filesystem::path& path, Notes* notes) {
   const PoseTable table = read_pose_table(path);
+  say_all(notes, table);
   const KittiColumns& columns = kitti_columns(table);
   Trajectory trajectory;
   for (const PoseLine& line : table.lines) {
@@ -95,10 +105,6 @@ SE3 read_pose(const PoseTable& table, const PoseLine& line, const QuaternionColu
   return {q.normalized().toRotationMatrix(), {v[at.position], v[at.position + 1], v[at.position + 2]}};
 }
 
-void say(Notes* notes, std::string note) {
-  if (notes != nullptr) notes->push_back(std::move(note));
-}
-
 void say_unequal(Notes* notes, const std::string& path, std::size_t unequal, std::size_t count) {
   if (unequal == 0) return;
   say(notes, fmt::format("{}: {} of {} quaternions are not of length 1; all are divided by their length",
@@ -106,11 +112,6 @@ void say_unequal(Notes* notes, const std::string& path, std::size_t unequal, std
 }
 
 constexpr QuaternionColumns kScalarLast{1, 4, 7}, kScalarFirst{1, 5, 4};
-
-// How the table was read.
-void say_all(Notes* notes, const PoseTable& table) {
-  for (const std::string& note : table.notes) say(notes, note);
-}
 
 void require_times(const PoseTable& table) {
   if (table.is_named && table.lines.front().values.size() < 8)
@@ -154,11 +155,13 @@ void append_kitti_row(std::string& text, const SE3& pose) {
 
 std::vector<SE3> read_kitti_poses(const std::filesystem::path& path) {
   std::vector<SE3> poses;
-  for (const TimedPose& pose : read_matrices(path)) poses.push_back(pose.T_wc);
+  for (const TimedPose& pose : read_matrices(path, nullptr)) poses.push_back(pose.T_wc);
   return poses;
 }
 
-Trajectory read_kitti_trajectory(const std::filesystem::path& path) { return read_matrices(path); }
+Trajectory read_kitti_trajectory(const std::filesystem::path& path, Notes* notes) {
+  return read_matrices(path, notes);
+}
 
 void write_kitti_poses(const std::filesystem::path& path, const std::vector<SE3>& poses) {
   std::string text;
@@ -245,7 +248,7 @@ bool has_times(TrajectoryFormat format) {
 Trajectory read_trajectory(const std::filesystem::path& path, TrajectoryFormat format, Notes* notes) {
   switch (format) {
     case TrajectoryFormat::kitti:
-      return read_kitti_trajectory(path);
+      return read_kitti_trajectory(path, notes);
     case TrajectoryFormat::tum:
       return read_tum_trajectory(path, notes);
     case TrajectoryFormat::euroc:

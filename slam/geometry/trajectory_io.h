@@ -46,7 +46,7 @@ using Notes = std::vector<std::string>;
 // Poses T_wc, one per line. The second form gives pose i the time i, for KITTI files carry none, or its frame
 // number.
 std::vector<SE3> read_kitti_poses(const std::filesystem::path& path);
-Trajectory read_kitti_trajectory(const std::filesystem::path& path);
+Trajectory read_kitti_trajectory(const std::filesystem::path& path, Notes* notes = nullptr);
 void write_kitti_poses(const std::filesystem::path& path, const std::vector<SE3>& poses);
 void write_kitti_poses(const std::filesystem::path& path, const Trajectory& trajectory);
 
