@@ -68,23 +68,30 @@ std::vector<double> read_times(const fs::path& file, const ImagePairs& images, R
   return times;
 }
 
-void set_times(const fs::path& folder, const ImagePairs& images, std::optional<double> rate,
-               Recording& recording) {
+// `asked_rate`: --rate; `rate`: that of the calibration.
+void set_times(const fs::path& folder, const ImagePairs& images, std::optional<double> asked_rate,
+               std::optional<double> rate, Recording& recording) {
   const fs::path file = folder / "times.txt";
-  const std::vector<double> named =
-      is_present(file) ? read_times(file, images, recording) : times_in_names(images, recording.notes);
-  if (named.empty() && !rate) {
-    throw InputError(
-        folder.string(),
-        "times.txt, images named by their times, or 'rate: HZ' in calibration.yaml (or --rate HZ)",
-        "none of them");
+  const bool has_file = is_present(file);
+  Notes of_names;
+  std::vector<double> times =
+      has_file ? read_times(file, images, recording) : times_in_names(images, of_names);
+  recording.notes.insert(recording.notes.end(), of_names.begin(), of_names.end());
+  if (times.empty()) {
+    if (asked_rate) rate = asked_rate;
+    if (!rate) {
+      throw InputError(
+          folder.string(),
+          "times.txt, images named by their times, or 'rate: HZ' in calibration.yaml (or --rate HZ)",
+          of_names.empty() ? "none of them" : of_names.back());
+    }
+    if (!(*rate > 0.0)) throw UsageError(fmt::format("frame rate {:g}: expected more than 0 Hz", *rate));
+    times = places_in_names(images);
+    for (double& time : times) time /= *rate;
+  } else {
+    note_unused_rate(asked_rate, has_file ? file : images.first.front().path.parent_path(), recording.notes);
   }
-  if (named.empty() && !(*rate > 0.0))
-    throw UsageError(fmt::format("frame rate {:g}: expected more than 0 Hz", *rate));
-  for (std::size_t i = 0; i < images.pairs.size(); ++i) {
-    recording.frames[i].timestamp =
-        named.empty() ? static_cast<double>(images.pairs[i].place) / *rate : named[i];
-  }
+  for (std::size_t i = 0; i < times.size(); ++i) recording.frames[i].timestamp = times[i];
 }
 
 Trajectory find_ground_truth(const fs::path& folder, const ImagePairs& images,
@@ -135,6 +142,7 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
   }
   const ImagePairs images =
       pair_images(folder / (rgbd ? "rgb" : "left"), folder / (rgbd ? "depth" : "right"));
+  recording.notes = images.notes;
   for (const ImagePair& pair : images.pairs) {
     recording.frames.push_back(
         {static_cast<int>(pair.first), 0.0, images.first[pair.first].path, images.second[pair.second].path});
@@ -142,7 +150,7 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
   if (images.alone > 0)
     recording.notes.push_back(
         fmt::format("{} images without a partner of the same name are left out", images.alone));
-  set_times(folder, images, options.frame_rate ? options.frame_rate : file.frame_rate, recording);
+  set_times(folder, images, options.frame_rate, file.frame_rate, recording);
   recording.ground_truth = find_ground_truth(folder, images, recording.frames, &recording.notes);
   sort_by_time(recording);
   const SE3 T_left_rectified{camera.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};

@@ -128,6 +128,7 @@ std::vector<double> read_times(const fs::path& path, std::size_t first, std::siz
   const std::vector<nn::NumberLine> lines = nn::read_number_file(path, 1, "a time in seconds");
   std::vector<FileTime> written;
   for (const nn::NumberLine& line : lines) written.push_back(to_file_time(line.values.front()));
+  note_unused_rate(rate, path, notes);
   times = to_seconds(written, kCameraSeconds, path.string(), notes);
   for (std::size_t i = 1; i < times.size(); ++i) {
     if (times[i] < times[i - 1]) {
@@ -192,8 +193,8 @@ std::unique_ptr<StereoDataset> open_kitti(const fs::path& path, const DatasetOpt
   recording.name = read_name(sequence);
   recording.place = folder.string();
   recording.colour = colour ? nn::ImageColour::bgr : nn::ImageColour::grey;
-  const std::vector<fs::path> left = list_images(folder / (colour ? "image_2" : "image_0"));
-  const std::vector<fs::path> right = list_images(folder / (colour ? "image_3" : "image_1"));
+  const std::vector<fs::path> left = list_images(folder / (colour ? "image_2" : "image_0"), recording.notes);
+  const std::vector<fs::path> right = list_images(folder / (colour ? "image_3" : "image_1"), recording.notes);
   const int first = require_pairs(left, right);
   const auto offset = static_cast<std::size_t>(first);
   options.frames.size(static_cast<int>(left.size()), recording.place);

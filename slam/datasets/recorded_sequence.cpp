@@ -214,6 +214,12 @@ std::unique_ptr<StereoDataset> open_recording(Recording recording, const Dataset
   return std::make_unique<RecordedSequence>(std::move(recording), options);
 }
 
+void note_unused_rate(std::optional<double> rate, const fs::path& source, std::vector<std::string>& notes) {
+  if (rate)
+    notes.push_back(
+        fmt::format("{}: has times, which are used, and not --rate {:g}", source.string(), *rate));
+}
+
 nn::ImageColour colour_of(DatasetCameras cameras, nn::ImageColour otherwise) {
   switch (cameras) {
     case DatasetCameras::grey:

@@ -41,6 +41,10 @@ struct Recording {
 // increase, images of another size, no frames.
 std::unique_ptr<StereoDataset> open_recording(Recording recording, const DatasetOptions& options);
 
+// Says that the times of `source` are used and --rate, if given, is not.
+void note_unused_rate(std::optional<double> rate, const std::filesystem::path& source,
+                      std::vector<std::string>& notes);
+
 // Whether to read colour: as the options say, or `otherwise`.
 nn::ImageColour colour_of(DatasetCameras cameras, nn::ImageColour otherwise);
 

@@ -92,6 +92,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   Recording recording;
   recording.name = "TUM RGB-D " + name;
   recording.notes = joined_notes(colour_list, depth_list);
+  note_unused_rate(options.frame_rate, folder / "rgb.txt", recording.notes);
   recording.place = folder.string();
   recording.sensor = Sensor::rgbd;
   recording.camera = camera.camera;
