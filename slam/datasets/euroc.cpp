@@ -64,7 +64,10 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
                                 folders[1] / "data" / right_images[r].name});
   }
   if (recording.frames.empty()) {
-    throw InputError(mav.string(), "images of cam0 and cam1 with the same times", "none");
+    throw InputError(
+        mav.string(),
+        fmt::format("images of cam0 and cam1 with the same times (at most {:g} s apart)", kSameTime),
+        nearest_times(left_list, right_list));
   }
   const std::size_t alone = left_images.size() + right_images.size() - 2 * recording.frames.size();
   if (alone > 0)

@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "nn/base/error.h"
-#include "nn/io/number_file.h"
 #include "slam/datasets/camera_file.h"
 #include "slam/datasets/folder_listing.h"
 #include "slam/datasets/image_pairs.h"
 #include "slam/datasets/named_times.h"
 #include "slam/datasets/recorded_sequence.h"
-#include "slam/geometry/time_unit.h"
+#include "slam/datasets/time_list.h"
 #include "slam/geometry/trajectory_io.h"
 
 namespace penumbra::slam {
@@ -45,23 +44,10 @@ LinePlace find_lines(const fs::path& file, std::size_t lines, const char* what, 
 }
 
 std::vector<double> read_times(const fs::path& file, const ImagePairs& images, Recording& recording) {
-  std::vector<FileTime> lines;
-  std::vector<int> numbers;  // of the lines
-  nn::LineReader reader(file, "a text file with a time in each line");
-  while (const std::optional<std::string_view> line = reader.next()) {
-    lines.push_back(parse_file_time(*line, reader.place()));
-    numbers.push_back(reader.line());
-  }
-  const LinePlace place = find_lines(file, lines.size(), "times", images);
-  if (images.alone > 0)
-    recording.notes.push_back(fmt::format("{}: one line for every {}", file.string(), place.of));
-  const std::vector<double> all = to_seconds(lines, kCameraSeconds, file.string(), recording.notes);
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    if (all[i] < all[i - 1]) {
-      throw InputError(fmt::format("{}:{}", file.string(), numbers[i]),
-                       fmt::format("a time after {:.6f} s", all[i - 1]), fmt::format("{:.6f} s", all[i]));
-    }
-  }
+  Notes& notes = recording.notes;
+  const std::vector<double> all = read_time_list(file, notes);
+  const LinePlace place = find_lines(file, all.size(), "times", images);
+  if (images.alone > 0) notes.push_back(fmt::format("{}: one line for every {}", file.string(), place.of));
   std::vector<double> times;
   for (std::size_t pair = 0; pair < images.pairs.size(); ++pair)
     times.push_back(all[place.line(images, pair)]);

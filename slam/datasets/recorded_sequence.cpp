@@ -9,6 +9,7 @@
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/io/exif.h"
+#include "slam/datasets/camera_check.h"
 #include "slam/datasets/image_levels.h"
 #include "slam/datasets/row_check.h"
 #include "slam/evaluation/association.h"
@@ -43,6 +44,7 @@ class RecordedSequence final : public StereoDataset {
       r_.camera.width = left.cols;
       r_.camera.height = left.rows;
     }
+    for (std::string& text : check_camera(r_.camera)) r_.notes.push_back(std::move(text));
     check_rows(readable);
   }
 

@@ -105,7 +105,8 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   }
   if (recording.frames.empty()) {
     throw InputError(folder.string(),
-                     fmt::format("colour and depth images within {:g} s of each other", kSameTime), "none");
+                     fmt::format("colour and depth images within {:g} s of each other", kSameTime),
+                     nearest_times(colour_list, depth_list));
   }
   const std::size_t alone = colour.size() + depth.size() - 2 * recording.frames.size();
   if (alone > 0) {
