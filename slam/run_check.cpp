@@ -44,7 +44,7 @@ bool are_same(const cv::Mat& a, const cv::Mat& b) {
 const char* text_of(LostReason reason, Sensor sensor) {
   switch (reason) {
     case LostReason::unreadable:
-      return "images that cannot be read";
+      return "images that cannot be read or are of another size";
     case LostReason::one_grey:
       return "the images are black or of one grey: lens cap, exposure, or 10 or 12 bits in 16-bit files "
              "(--image-bits)?";

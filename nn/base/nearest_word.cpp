@@ -28,7 +28,8 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
   constexpr std::size_t kLongest = 100;  // no name is longer
   if (word.size() > kLongest) return {};
   std::string_view nearest;
-  std::size_t least = (word.size() + 1) / 2 + 1;
+  constexpr std::size_t kShort = 4;  // of shorter words one other letter makes another word: Tx is no fx
+  std::size_t least = word.size() < kShort ? 1 : (word.size() + 1) / 2 + 1;
   for (const std::string_view candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
     if (distance >= least) continue;

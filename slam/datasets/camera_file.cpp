@@ -12,6 +12,7 @@
 #include "slam/datasets/calibration_writer.h"
 #include "slam/datasets/camera_keys.h"
 #include "slam/datasets/lens_reader.h"
+#include "slam/datasets/yaml_words.h"
 #include "slam/geometry/trajectory_io.h"
 
 namespace penumbra::slam {
@@ -28,17 +29,33 @@ void refuse(const YamlFile& yaml, std::string_view expected, std::initializer_li
   }
 }
 
+// In metres: that of the file, as it is or times fx; `otherwise` where the file may do without.
+double read_baseline(const YamlFile& yaml, double fx, std::optional<double> otherwise) {
+  const std::string key = one_of(yaml, {"baseline", "bf"});
+  if (otherwise && !yaml.has(key)) return *otherwise;
+  const double baseline = yaml.number_above_zero(key) / (key == "bf" ? fx : 1.0);
+  if (!(baseline > 0.0 && std::isfinite(baseline)))
+    throw InputError(yaml.place(key), "a baseline above 0", fmt::format("{:g} m", baseline));
+  return baseline;
+}
+
+// Of a raw lens: most have a distortion that matters, so that a file must say where one has none.
+void require_distortion(const YamlFile& yaml, const std::string& prefix) {
+  for (const char* key : {"distortion", "k1", "distortion_model"}) {
+    if (yaml.has(prefix + key)) return;
+  }
+  throw InputError(yaml.place(prefix + "distortion"),
+                   fmt::format("{0}distortion of the raw lens, or '{0}distortion_model: none'", prefix),
+                   "neither");
+}
+
 void read_stereo(const YamlFile& yaml, CameraFile& file) {
   refuse(yaml, "sensor: rgbd for a camera with depth", {"depth_factor", "depth_scale"});
   file.rectified = !yaml.has("rectified") || yaml.flag("rectified");
   if (file.rectified) {
     refuse(yaml, "rectified: false for two raw cameras", {"left", "right", "T_right_left", "T_left_right"});
     file.left = read_lens(yaml, "");
-    const std::string key = one_of(yaml, {"baseline", "bf"});
-    file.baseline = yaml.number_above_zero(key) / (key == "bf" ? file.left.fx : 1.0);
-    if (!(file.baseline > 0.0 && std::isfinite(file.baseline))) {
-      throw InputError(yaml.place(key), "a baseline above 0", fmt::format("{:g} m", file.baseline));
-    }
+    file.baseline = read_baseline(yaml, file.left.fx, std::nullopt);
     if (!file.left.distortion.empty()) {
       throw InputError(yaml.place(yaml.has("distortion") ? "distortion" : "k1"),
                        "no distortion in rectified images (or 'rectified: false')", "coefficients");
@@ -51,6 +68,7 @@ void read_stereo(const YamlFile& yaml, CameraFile& file) {
   refuse(yaml, "T_right_left, which holds the baseline", {"baseline", "bf"});
   file.left = read_lens(yaml, "left.");
   file.right = read_lens(yaml, "right.");
+  for (const char* side : {"left.", "right."}) require_distortion(yaml, side);
   const std::string key = one_of(yaml, {"T_right_left", "T_left_right"});
   file.T_right_left = read_transform(yaml, key);
   if (key == "T_left_right") file.T_right_left = file.T_right_left.inverse();
@@ -73,9 +91,9 @@ double read_depth_factor(const YamlFile& yaml) {
 
 void read_rgbd(const YamlFile& yaml, CameraFile& file) {
   refuse(yaml, "sensor: stereo for two cameras",
-         {"left", "right", "T_right_left", "T_left_right", "bf", "rectified"});
+         {"left", "right", "T_right_left", "T_left_right", "rectified"});
   file.left = read_lens(yaml, "");
-  file.baseline = yaml.has("baseline") ? yaml.number_above_zero("baseline") : kNominalBaseline;
+  file.baseline = read_baseline(yaml, file.left.fx, kNominalBaseline);
   file.depth_factor = read_depth_factor(yaml);
 }
 
@@ -112,15 +130,16 @@ CameraFile read_own_file(const std::filesystem::path& path) {
   use_camera_keys(yaml);
   CameraFile file;
   file.place = path.string();
-  const std::string sensor =
+  const std::string written =
       yaml.text_or("sensor", yaml.has("depth_factor") || yaml.has("depth_scale") ? "rgbd" : "stereo");
+  const std::string sensor = plain_word(written);
   if (sensor == "rgbd") {
     file.sensor = Sensor::rgbd;
     read_rgbd(yaml, file);
   } else if (sensor == "stereo") {
     read_stereo(yaml, file);
   } else {
-    throw InputError(yaml.place("sensor"), "stereo or rgbd", fmt::format("'{}'", printable(sensor, 40)));
+    throw InputError(yaml.place("sensor"), "stereo or rgbd", in_quotes(written));
   }
   if (yaml.has("colour")) file.colour = yaml.flag("colour");
   if (yaml.has("rate")) file.frame_rate = yaml.number_above_zero("rate");

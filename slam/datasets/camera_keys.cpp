@@ -5,7 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "nn/base/error.h"
 #include "slam/datasets/known_keys.h"
+#include "slam/datasets/yaml_words.h"
 
 namespace penumbra::slam {
 
@@ -45,7 +47,7 @@ const std::vector<KnownKey>& camera_keys() {
         {"colour", {"color"}},
         {"depth_factor", {"depth_map_factor", "depthmapfactor", "depthmap_factor", "depth_units_per_metre"}},
         {"depth_scale", {}},
-        {"T_right_left", {"T_cam1_cam0", "T_rl"}},
+        {"T_right_left", {"T_cam1_cam0", "T_cn_cnm1", "T_rl"}},
         {"T_left_right", {"T_cam0_cam1", "T_lr"}},
         {"comment", {"description", "name", "camera_name", "camera", "serial", "serial_number", "date"}},
     };
@@ -65,8 +67,28 @@ const std::vector<KnownKey>& camera_keys() {
   return keys;
 }
 
+// Lengths are in metres; keys that name another unit would be wrong by its factor.
+void refuse_other_units(const YamlFile& yaml) {
+  constexpr struct {
+    std::string_view ending, name;
+    double metres;
+  } kUnits[] = {{"_mm", "millimetres", 1e-3}, {"_cm", "centimetres", 1e-2}, {"_inch", "inches", 0.0254}};
+  for (const std::string& key : yaml.keys()) {
+    for (const auto& [ending, name, metres] : kUnits) {
+      if (!key.ends_with(ending) || !plain_word(key).ends_with(plain_word(fmt::format("baseline{}", ending))))
+        continue;
+      throw InputError(yaml.place(key),
+                       fmt::format("metres, 'baseline: {:g}'", yaml.number_above_zero(key) * metres),
+                       fmt::format("{}", name));
+    }
+  }
+}
+
 }  // namespace
 
-void use_camera_keys(YamlFile& yaml) { use_known_keys(yaml, camera_keys()); }
+void use_camera_keys(YamlFile& yaml) {
+  refuse_other_units(yaml);
+  use_known_keys(yaml, camera_keys());
+}
 
 }  // namespace penumbra::slam

@@ -57,13 +57,17 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
   const ImageList right_list = read_euroc_image_list(folders[1] / "data.csv");
   const std::vector<ListedImage>&left_images = left_list.images, &right_images = right_list.images;
   recording.notes = joined_notes(left_list, right_list);
+  note_unused_rate(options.frame_rate, folders[0] / "data.csv", recording.notes);
   for (const auto& [l, r] : associate_times(times_of(left_images), times_of(right_images), kSameTime)) {
     recording.frames.push_back({static_cast<int>(recording.frames.size()), left_images[l].timestamp,
                                 folders[0] / "data" / left_images[l].name,
                                 folders[1] / "data" / right_images[r].name});
   }
   if (recording.frames.empty()) {
-    throw InputError(mav.string(), "images of cam0 and cam1 with the same times", "none");
+    throw InputError(
+        mav.string(),
+        fmt::format("images of cam0 and cam1 with the same times (at most {:g} s apart)", kSameTime),
+        nearest_times(left_list, right_list));
   }
   const std::size_t alone = left_images.size() + right_images.size() - 2 * recording.frames.size();
   if (alone > 0)

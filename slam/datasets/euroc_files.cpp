@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "nn/base/error.h"
-#include "nn/base/text.h"
 #include "nn/io/image_container.h"
 #include "slam/datasets/camera_file.h"
 #include "slam/datasets/known_keys.h"
+#include "slam/datasets/lens_reader.h"
 #include "slam/datasets/yaml_file.h"
 
 namespace penumbra::slam {
@@ -40,9 +40,7 @@ const std::vector<KnownKey>& sensor_keys() {
 EurocCamera read_euroc_camera(const fs::path& path) {
   YamlFile yaml(path);
   use_known_keys(yaml, sensor_keys());
-  const std::string model = yaml.text_or("camera_model", "pinhole");
-  if (model != "pinhole")
-    throw InputError(yaml.place("camera_model"), "pinhole", fmt::format("'{}'", printable(model, 40)));
+  require_pinhole(yaml, "camera_model");
   EurocCamera camera;
   const std::vector<double> size = yaml.numbers("resolution", 2);
   for (const double pixels : size) {

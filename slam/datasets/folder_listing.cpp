@@ -8,6 +8,7 @@
 
 #include "nn/base/error.h"
 #include "nn/base/natural_order.h"
+#include "nn/base/text.h"
 
 namespace penumbra::slam {
 
@@ -58,22 +59,28 @@ std::vector<fs::path> list_folder(const fs::path& folder) {
   return entries;
 }
 
-std::vector<fs::path> list_images(const fs::path& folder) {
+std::vector<fs::path> list_images(const fs::path& folder, std::vector<std::string>& notes) {
   if (!is_folder(folder)) {
     throw InputError(folder.string(), "a folder of images", is_present(folder) ? "a file" : "nothing");
   }
-  std::vector<fs::path> images;
-  fs::path foreign;
+  std::vector<fs::path> images, foreign;
   for (const fs::path& entry : list_folder(folder)) {
     if (ends_in_one_of(entry, kRead)) images.push_back(entry);
-    if (foreign.empty() && ends_in_one_of(entry, kForeign)) foreign = entry.extension();
+    if (ends_in_one_of(entry, kForeign)) foreign.push_back(entry);
   }
-  if (!images.empty()) return images;
+  if (!images.empty()) {
+    if (!foreign.empty()) {
+      notes.push_back(fmt::format("{}: {} images are of a kind that is not read and are left out, first {}",
+                                  folder.string(), foreign.size(),
+                                  printable(foreign.front().filename().string(), 60)));
+    }
+    return images;
+  }
   constexpr std::string_view kExpected = "images (.png, .jpg, .pgm, .ppm or .bmp)";
   if (!foreign.empty()) {
     throw InputError(folder.string(), kExpected,
-                     fmt::format("only {} (ImageMagick converts them: mogrify -format png '{}'/*{})",
-                                 foreign.string(), folder.string(), foreign.string()));
+                     fmt::format("only {0} (ImageMagick converts them: mogrify -format png '{1}'/*{0})",
+                                 foreign.front().extension().string(), folder.string()));
   }
   throw InputError(folder.string(), kExpected, "none");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace penumbra::slam {
@@ -18,9 +19,11 @@ bool is_debris(const std::filesystem::path& path);
 std::vector<std::filesystem::path> list_folder(const std::filesystem::path& folder);
 
 // The images (.png, .jpg, .jpeg, .pgm, .ppm, .bmp, in small letters or capitals) of a folder, in that order;
-// other files are left out. Throws InputError for something that is no folder or has no images, and where its
-// images are of a kind that is not read, with the command that converts them.
-std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
+// other files are left out; images of a kind that is not read with a note. Throws InputError for something
+// that is no folder or has no images, and where all its images are of such a kind, with the command that
+// converts them.
+std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder,
+                                               std::vector<std::string>& notes);
 
 // Throws InputError unless `path` is a folder with something in it.
 void require_dataset_folder(const std::filesystem::path& path);

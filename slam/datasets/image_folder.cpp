@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "nn/base/error.h"
-#include "nn/io/number_file.h"
 #include "slam/datasets/camera_file.h"
 #include "slam/datasets/folder_listing.h"
 #include "slam/datasets/image_pairs.h"
 #include "slam/datasets/named_times.h"
 #include "slam/datasets/recorded_sequence.h"
-#include "slam/geometry/time_unit.h"
+#include "slam/datasets/time_list.h"
 #include "slam/geometry/trajectory_io.h"
 
 namespace penumbra::slam {
@@ -45,46 +44,40 @@ LinePlace find_lines(const fs::path& file, std::size_t lines, const char* what, 
 }
 
 std::vector<double> read_times(const fs::path& file, const ImagePairs& images, Recording& recording) {
-  std::vector<FileTime> lines;
-  std::vector<int> numbers;  // of the lines
-  nn::LineReader reader(file, "a text file with a time in each line");
-  while (const std::optional<std::string_view> line = reader.next()) {
-    lines.push_back(parse_file_time(*line, reader.place()));
-    numbers.push_back(reader.line());
-  }
-  const LinePlace place = find_lines(file, lines.size(), "times", images);
-  if (images.alone > 0)
-    recording.notes.push_back(fmt::format("{}: one line for every {}", file.string(), place.of));
-  const std::vector<double> all = to_seconds(lines, kCameraSeconds, file.string(), recording.notes);
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    if (all[i] < all[i - 1]) {
-      throw InputError(fmt::format("{}:{}", file.string(), numbers[i]),
-                       fmt::format("a time after {:.6f} s", all[i - 1]), fmt::format("{:.6f} s", all[i]));
-    }
-  }
+  Notes& notes = recording.notes;
+  const std::vector<double> all = read_time_list(file, notes);
+  const LinePlace place = find_lines(file, all.size(), "times", images);
+  if (images.alone > 0) notes.push_back(fmt::format("{}: one line for every {}", file.string(), place.of));
   std::vector<double> times;
   for (std::size_t pair = 0; pair < images.pairs.size(); ++pair)
     times.push_back(all[place.line(images, pair)]);
   return times;
 }
 
-void set_times(const fs::path& folder, const ImagePairs& images, std::optional<double> rate,
-               Recording& recording) {
+// `asked_rate`: --rate; `rate`: that of the calibration.
+void set_times(const fs::path& folder, const ImagePairs& images, std::optional<double> asked_rate,
+               std::optional<double> rate, Recording& recording) {
   const fs::path file = folder / "times.txt";
-  const std::vector<double> named =
-      is_present(file) ? read_times(file, images, recording) : times_in_names(images, recording.notes);
-  if (named.empty() && !rate) {
-    throw InputError(
-        folder.string(),
-        "times.txt, images named by their times, or 'rate: HZ' in calibration.yaml (or --rate HZ)",
-        "none of them");
+  const bool has_file = is_present(file);
+  Notes of_names;
+  std::vector<double> times =
+      has_file ? read_times(file, images, recording) : times_in_names(images, of_names);
+  recording.notes.insert(recording.notes.end(), of_names.begin(), of_names.end());
+  if (times.empty()) {
+    if (asked_rate) rate = asked_rate;
+    if (!rate) {
+      throw InputError(
+          folder.string(),
+          "times.txt, images named by their times, or 'rate: HZ' in calibration.yaml (or --rate HZ)",
+          of_names.empty() ? "none of them" : of_names.back());
+    }
+    if (!(*rate > 0.0)) throw UsageError(fmt::format("frame rate {:g}: expected more than 0 Hz", *rate));
+    times = places_in_names(images);
+    for (double& time : times) time /= *rate;
+  } else {
+    note_unused_rate(asked_rate, has_file ? file : images.first.front().path.parent_path(), recording.notes);
   }
-  if (named.empty() && !(*rate > 0.0))
-    throw UsageError(fmt::format("frame rate {:g}: expected more than 0 Hz", *rate));
-  for (std::size_t i = 0; i < images.pairs.size(); ++i) {
-    recording.frames[i].timestamp =
-        named.empty() ? static_cast<double>(images.pairs[i].place) / *rate : named[i];
-  }
+  for (std::size_t i = 0; i < times.size(); ++i) recording.frames[i].timestamp = times[i];
 }
 
 Trajectory find_ground_truth(const fs::path& folder, const ImagePairs& images,
@@ -135,6 +128,7 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
   }
   const ImagePairs images =
       pair_images(folder / (rgbd ? "rgb" : "left"), folder / (rgbd ? "depth" : "right"));
+  recording.notes = images.notes;
   for (const ImagePair& pair : images.pairs) {
     recording.frames.push_back(
         {static_cast<int>(pair.first), 0.0, images.first[pair.first].path, images.second[pair.second].path});
@@ -142,7 +136,7 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
   if (images.alone > 0)
     recording.notes.push_back(
         fmt::format("{} images without a partner of the same name are left out", images.alone));
-  set_times(folder, images, options.frame_rate ? options.frame_rate : file.frame_rate, recording);
+  set_times(folder, images, options.frame_rate, file.frame_rate, recording);
   recording.ground_truth = find_ground_truth(folder, images, recording.frames, &recording.notes);
   sort_by_time(recording);
   const SE3 T_left_rectified{camera.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};

@@ -1,12 +1,17 @@
 #include "slam/datasets/image_list.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/io/number_file.h"
+#include "slam/datasets/time_list.h"
 #include "slam/geometry/time_unit.h"
 
 namespace penumbra::slam {
@@ -32,10 +37,19 @@ bool stays_in_folder(std::string_view name) {
 struct Form {
   const char* line;
   std::string_view separators;
+  std::string_view folder;  // of the images, which names may have before them
   TimeRule times;
 };
-constexpr Form kTum{"SECONDS NAME", " \t", kCameraSeconds};
-constexpr Form kEuroc{"NANOSECONDS,NAME", ",", kCameraNanoseconds};
+constexpr Form kTum{"SECONDS NAME", " \t", "", kCameraSeconds};
+constexpr Form kEuroc{"NANOSECONDS,NAME", ",", "data/", kCameraNanoseconds};
+
+// What follows the first time in a line of associate.py: "NAME SECONDS NAME".
+bool is_association(std::string_view rest) {
+  const std::size_t first = rest.find_first_of(kBlank), last = rest.find_last_of(kBlank);
+  if (first == std::string_view::npos || first == last) return false;
+  const std::string_view middle = trimmed(rest.substr(first, last - first));
+  return !middle.empty() && middle.find_first_not_of("0123456789.") == std::string_view::npos;
+}
 
 // Leaves out images whose time is that of the one before. Throws InputError where time goes back.
 void keep_increasing(ImageList& list, const std::string& file, const std::vector<int>& lines) {
@@ -67,7 +81,12 @@ ImageList read_list(const std::filesystem::path& path, const Form& form) {
   std::vector<FileTime> times;
   std::vector<int> lines;
   nn::LineReader reader(path, fmt::format("a list of images ({} a line)", form.line));
+  bool is_first = true;
   while (const std::optional<std::string_view> content = reader.next()) {
+    if (std::exchange(is_first, false) && is_heading(*content)) {
+      list.notes.push_back(heading_note(reader.place(), *content));
+      continue;
+    }
     const std::size_t split = content->find_first_of(form.separators);
     if (split == std::string_view::npos) {
       throw InputError(reader.place(), form.line, fmt::format("'{}'", printable(*content, kLongestQuote)));
@@ -75,7 +94,14 @@ ImageList read_list(const std::filesystem::path& path, const Form& form) {
     times.push_back(parse_file_time(trimmed(content->substr(0, split)), reader.place()));
     lines.push_back(reader.line());
     ListedImage image;
-    image.name = trimmed(content->substr(split + 1));
+    std::string_view name = trimmed(content->substr(split + 1));
+    if (is_association(name)) {
+      throw InputError(reader.place(), form.line,
+                       fmt::format("two times and two names, as in an association file: '{}'",
+                                   printable(*content, kLongestQuote)));
+    }
+    if (name.starts_with(form.folder)) name.remove_prefix(form.folder.size());
+    image.name = name;
     if (!stays_in_folder(image.name)) {
       throw InputError(reader.place(), "the name of an image in this folder",
                        fmt::format("'{}'", printable(image.name, kLongestQuote)));
@@ -99,6 +125,16 @@ std::vector<std::string> joined_notes(const ImageList& first, const ImageList& s
   std::vector<std::string> notes = first.notes;
   notes.insert(notes.end(), second.notes.begin(), second.notes.end());
   return notes;
+}
+
+std::string nearest_times(const ImageList& first, const ImageList& second) {
+  double nearest = HUGE_VAL;
+  for (std::size_t i = 0, j = 0; i < first.images.size() && j < second.images.size();) {
+    const double difference = first.images[i].timestamp - second.images[j].timestamp;
+    nearest = std::min(nearest, std::abs(difference));
+    ++(difference < 0.0 ? i : j);
+  }
+  return fmt::format("none: the nearest two are {:.4g} s apart", nearest);
 }
 
 std::vector<double> times_of(const std::vector<ListedImage>& images) {

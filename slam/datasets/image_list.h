@@ -18,7 +18,8 @@ struct ImageList {
 };
 
 // TUM: "SECONDS NAME" a line, '#' begins a comment. EuRoC: "NANOSECONDS,NAME" a line. Times in another unit
-// are taken, too, with a note (slam/geometry/time_unit.h); of images with one time the first, with a note.
+// are taken, too, with a note (slam/geometry/time_unit.h); of images with one time the first, with a note; a
+// heading without '#' is skipped with a note; EuRoC's names may begin with "data/", which is taken off.
 // Throw InputError (file:line) for another form, a time that is no number or before the one before, a name
 // that leads out of the folder, an empty list.
 ImageList read_tum_image_list(const std::filesystem::path& path);
@@ -29,5 +30,8 @@ std::vector<std::string> joined_notes(const ImageList& first, const ImageList& s
 
 // The images' times.
 std::vector<double> times_of(const std::vector<ListedImage>& images);
+
+// For errors: how near the times of two lists come to each other.
+std::string nearest_times(const ImageList& first, const ImageList& second);
 
 }  // namespace penumbra::slam

@@ -56,10 +56,32 @@ bool take_side(std::vector<NamedImage>& images, std::string_view side) {
   return true;
 }
 
-std::vector<NamedImage> list_named(const std::filesystem::path& folder) {
+bool is_png(const std::filesystem::path& path) { return equal_letters(path.extension().string(), ".png"); }
+
+std::vector<NamedImage> list_named(const std::filesystem::path& folder, std::vector<std::string>& notes) {
   std::vector<NamedImage> images;
-  for (const std::filesystem::path& path : list_images(folder))
-    images.push_back({path, path.stem().string()});
+  std::map<std::string, std::size_t> places;  // by name
+  std::size_t twins = 0;
+  std::string taken, left_out;  // of the first twins
+  for (const std::filesystem::path& path : list_images(folder, notes)) {
+    const auto [at, is_new] = places.try_emplace(path.stem().string(), images.size());
+    if (is_new) {
+      images.push_back({path, at->first});
+      continue;
+    }
+    std::filesystem::path& chosen = images[at->second].path;
+    std::filesystem::path other = path;
+    if (is_png(other) && !is_png(chosen)) std::swap(chosen, other);
+    if (twins++ > 0) continue;
+    taken = chosen.filename().string();
+    left_out = other.filename().string();
+  }
+  if (twins > 0) {
+    notes.push_back(
+        fmt::format("{}: {} images are there in two files of one name, of which one is taken, such as "
+                    "{} and not {}",
+                    folder.string(), twins, printable(taken, 40), printable(left_out, 40)));
+  }
   return images;
 }
 
@@ -98,8 +120,8 @@ void find_pairs(ImagePairs& result) {
 
 ImagePairs pair_images(const std::filesystem::path& first, const std::filesystem::path& second) {
   ImagePairs result;
-  result.first = list_named(first);
-  result.second = list_named(second);
+  result.first = list_named(first, result.notes);
+  result.second = list_named(second, result.notes);
   find_pairs(result);
   if (!result.pairs.empty()) return result;
   take_any_side(result.first, kFirst);

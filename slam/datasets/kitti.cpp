@@ -13,7 +13,7 @@
 #include "slam/datasets/folder_listing.h"
 #include "slam/datasets/kitti_calibration.h"
 #include "slam/datasets/recorded_sequence.h"
-#include "slam/geometry/time_unit.h"
+#include "slam/datasets/time_list.h"
 #include "slam/geometry/trajectory_io.h"
 
 namespace penumbra::slam {
@@ -125,16 +125,8 @@ std::vector<double> read_times(const fs::path& path, std::size_t first, std::siz
     for (std::size_t i = first; i < first + frames; ++i) times.push_back(static_cast<double>(i) / *rate);
     return times;
   }
-  const std::vector<nn::NumberLine> lines = nn::read_number_file(path, 1, "a time in seconds");
-  std::vector<FileTime> written;
-  for (const nn::NumberLine& line : lines) written.push_back(to_file_time(line.values.front()));
-  times = to_seconds(written, kCameraSeconds, path.string(), notes);
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    if (times[i] < times[i - 1]) {
-      throw InputError(fmt::format("{}:{}", path.string(), lines[i].line),
-                       fmt::format("a time after {:g} s", times[i - 1]), fmt::format("{:g} s", times[i]));
-    }
-  }
+  note_unused_rate(rate, path, notes);
+  times = read_time_list(path, notes);
   const std::size_t begin = first_line(path, "times", times.size(), first, frames, notes);
   times.erase(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(begin));
   return times;
@@ -192,8 +184,8 @@ std::unique_ptr<StereoDataset> open_kitti(const fs::path& path, const DatasetOpt
   recording.name = read_name(sequence);
   recording.place = folder.string();
   recording.colour = colour ? nn::ImageColour::bgr : nn::ImageColour::grey;
-  const std::vector<fs::path> left = list_images(folder / (colour ? "image_2" : "image_0"));
-  const std::vector<fs::path> right = list_images(folder / (colour ? "image_3" : "image_1"));
+  const std::vector<fs::path> left = list_images(folder / (colour ? "image_2" : "image_0"), recording.notes);
+  const std::vector<fs::path> right = list_images(folder / (colour ? "image_3" : "image_1"), recording.notes);
   const int first = require_pairs(left, right);
   const auto offset = static_cast<std::size_t>(first);
   options.frames.size(static_cast<int>(left.size()), recording.place);

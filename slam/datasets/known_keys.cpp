@@ -1,30 +1,24 @@
 #include "slam/datasets/known_keys.h"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 
 #include "nn/base/error.h"
 #include "nn/base/nearest_word.h"
 #include "nn/base/text.h"
+#include "slam/datasets/yaml_words.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-std::string plain(std::string_view key) {
-  std::string name(key);
-  for (char& c : name) c = c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
-}
-
 // What describes a matrix beside its "data"; the numbers themselves are counted where they are used.
-bool is_matrix_header(const YamlFile& yaml, std::string_view key) {
+bool is_matrix_header(const std::vector<std::string>& keys, std::string_view key) {
   const std::size_t dot = key.rfind('.');
   if (dot == std::string_view::npos) return false;
   const std::string_view leaf = key.substr(dot + 1);
   return (leaf == "rows" || leaf == "cols" || leaf == "dt") &&
-         yaml.has(std::string(key.substr(0, dot)) + ".data");
+         std::find(keys.begin(), keys.end(), std::string(key.substr(0, dot)) + ".data") != keys.end();
 }
 
 std::string_view without_data(std::string_view key) {
@@ -37,19 +31,19 @@ void use_known_keys(YamlFile& yaml, std::span<const KnownKey> known) {
   std::map<std::string, const KnownKey*> by_spelling;
   std::vector<std::string_view> names;  // the known name first: of equally near ones it is suggested
   for (const KnownKey& key : known) {
-    by_spelling[plain(key.name)] = &key;
+    by_spelling[plain_word(key.name)] = &key;
     names.push_back(key.name);
   }
   for (const KnownKey& key : known) {
     for (const std::string_view spelling : key.spellings) {
-      by_spelling[plain(spelling)] = &key;
+      by_spelling[plain_word(spelling)] = &key;
       names.push_back(spelling);
     }
   }
   const std::vector<std::string> keys = yaml.keys();
   for (const std::string& key : keys) {
-    if (is_matrix_header(yaml, key)) continue;
-    const auto at = by_spelling.find(plain(without_data(key)));
+    if (is_matrix_header(keys, key)) continue;
+    const auto at = by_spelling.find(plain_word(without_data(key)));
     if (at == by_spelling.end()) {
       throw InputError(yaml.place(key), "a key that is known" + suggestion(without_data(key), names),
                        fmt::format("'{}'", printable(key, 60)));

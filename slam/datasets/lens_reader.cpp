@@ -7,6 +7,7 @@
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/io/image_container.h"
+#include "slam/datasets/yaml_words.h"
 
 namespace penumbra::slam {
 
@@ -19,6 +20,13 @@ std::string one_of(const YamlFile& yaml, std::initializer_list<std::string> keys
     found = key;
   }
   return found.empty() ? *keys.begin() : found;
+}
+
+void require_pinhole(const YamlFile& yaml, const std::string& key) {
+  const std::string model = yaml.text_or(key, "pinhole");
+  if (plain_word(model) == "pinhole") return;
+  throw InputError(yaml.place(key), "pinhole (fisheye lenses, too, with distortion_model: equidistant)",
+                   in_quotes(model));
 }
 
 namespace {
@@ -112,9 +120,7 @@ LensCamera read_lens(const YamlFile& yaml, const std::string& prefix) {
   read_size(yaml, prefix, lens.width, lens.height);
   read_intrinsics(yaml, prefix, lens);
   const std::string model = prefix + "camera_model";
-  if (yaml.text_or(model, "pinhole") != "pinhole") {
-    throw InputError(yaml.place(model), "pinhole", fmt::format("'{}'", printable(yaml.text(model), 40)));
-  }
+  require_pinhole(yaml, model);
   std::string key;
   const std::vector<double> distortion = read_distortion(yaml, prefix, key);
   const bool undistorted =
@@ -130,7 +136,8 @@ LensCamera read_lens(const YamlFile& yaml, const std::string& prefix) {
     if (lens.width == 0) {
       throw InputError(yaml.place(key), "width and height of the images, to undo the distortion", "neither");
     }
-  } else if (yaml.has(prefix + "distortion_model") && yaml.text(prefix + "distortion_model") != "none") {
+  } else if (yaml.has(prefix + "distortion_model") &&
+             plain_word(yaml.text(prefix + "distortion_model")) != "none") {
     throw InputError(yaml.place(prefix + "distortion_model"), "the key distortion with its coefficients",
                      "no such key");
   }

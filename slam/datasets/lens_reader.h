@@ -17,6 +17,9 @@ namespace penumbra::slam {
 // Throws InputError (file:line) for keys that are missing, two ways at once, or numbers that no camera has.
 LensCamera read_lens(const YamlFile& yaml, const std::string& prefix);
 
+// Throws InputError for a camera model, the value of `key` if there is one, that is not pinhole.
+void require_pinhole(const YamlFile& yaml, const std::string& key);
+
 // The one of `keys` that the file has; the first where it has none. Throws InputError where it has two.
 std::string one_of(const YamlFile& yaml, std::initializer_list<std::string> keys);
 

@@ -9,6 +9,7 @@
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/io/exif.h"
+#include "slam/datasets/camera_check.h"
 #include "slam/datasets/image_levels.h"
 #include "slam/datasets/row_check.h"
 #include "slam/evaluation/association.h"
@@ -43,6 +44,7 @@ class RecordedSequence final : public StereoDataset {
       r_.camera.width = left.cols;
       r_.camera.height = left.rows;
     }
+    for (std::string& text : check_camera(r_.camera)) r_.notes.push_back(std::move(text));
     check_rows(readable);
   }
 
@@ -212,6 +214,12 @@ class RecordedSequence final : public StereoDataset {
 
 std::unique_ptr<StereoDataset> open_recording(Recording recording, const DatasetOptions& options) {
   return std::make_unique<RecordedSequence>(std::move(recording), options);
+}
+
+void note_unused_rate(std::optional<double> rate, const fs::path& source, std::vector<std::string>& notes) {
+  if (rate)
+    notes.push_back(
+        fmt::format("{}: has times, which are used, and not --rate {:g}", source.string(), *rate));
 }
 
 nn::ImageColour colour_of(DatasetCameras cameras, nn::ImageColour otherwise) {

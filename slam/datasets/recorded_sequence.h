@@ -37,9 +37,14 @@ struct Recording {
 // 0.01 s. Reads the first frame, whose images give the size where the calibration does not. Of frames with
 // one time the first is kept. Adds notes: repeated times, times that jump (frames that were dropped), the
 // bits of 16 that images use (slam/datasets/image_levels.h), EXIF data that say the camera was turned, rows
-// of left and right images that disagree (slam/datasets/row_check.h). Throws InputError for times that do not
+// of left and right images that disagree (slam/datasets/row_check.h), a camera that does not fit the images
+// (slam/datasets/camera_check.h). Throws InputError for times that do not
 // increase, images of another size, no frames.
 std::unique_ptr<StereoDataset> open_recording(Recording recording, const DatasetOptions& options);
+
+// Says that the times of `source` are used and --rate, if given, is not.
+void note_unused_rate(std::optional<double> rate, const std::filesystem::path& source,
+                      std::vector<std::string>& notes);
 
 // Whether to read colour: as the options say, or `otherwise`.
 nn::ImageColour colour_of(DatasetCameras cameras, nn::ImageColour otherwise);

@@ -1,11 +1,14 @@
 #include "slam/datasets/rectification.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
+#include "slam/datasets/yaml_words.h"
 
 namespace penumbra::slam {
 
@@ -87,14 +90,18 @@ StereoCamera pinhole_of(const cv::Mat& P, const LensCamera& lens, const std::str
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place) {
   std::size_t fewest = 0, most = 0;
-  if (name == "radial-tangential" || name == "radial_tangential" || name == "radtan" || name == "plumb_bob") {
+  const std::string model = plain_word(name);
+  const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), model) != names.end();
+  };
+  if (is_one_of({"radialtangential", "radtan", "plumbbob", "brownconrady"})) {
     camera.model = LensModel::radial_tangential;
     fewest = 4;
     most = 5;
-  } else if (name == "equidistant" || name == "equi" || name == "fisheye") {
+  } else if (is_one_of({"equidistant", "equi", "fisheye", "kannalabrandt", "kannalabrandt4"})) {
     camera.model = LensModel::equidistant;
     fewest = most = 4;
-  } else if (name != "none") {
+  } else if (model != "none") {
     throw InputError(place, "a distortion model: radial-tangential, equidistant or none",
                      fmt::format("'{}'", printable(name, 40)));
   }

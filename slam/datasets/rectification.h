@@ -33,9 +33,9 @@ struct LensCamera {
   int width = 0, height = 0;       // pixels
 };
 
-// "radial-tangential" ("radtan", ROS's "plumb_bob"), "equidistant" ("equi", "fisheye") or "none". Throws
-// InputError naming `place` for another name, or where `distortion` has another number of coefficients than
-// the model.
+// "radial-tangential" ("radtan", "brown_conrady", ROS's "plumb_bob"), "equidistant" ("equi", "fisheye",
+// "kannala_brandt") or "none", in any letters (plain_word). Throws InputError naming `place` for another
+// name, or where `distortion` has another number of coefficients than the model.
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place);
 

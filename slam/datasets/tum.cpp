@@ -92,6 +92,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   Recording recording;
   recording.name = "TUM RGB-D " + name;
   recording.notes = joined_notes(colour_list, depth_list);
+  note_unused_rate(options.frame_rate, folder / "rgb.txt", recording.notes);
   recording.place = folder.string();
   recording.sensor = Sensor::rgbd;
   recording.camera = camera.camera;
@@ -104,7 +105,8 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   }
   if (recording.frames.empty()) {
     throw InputError(folder.string(),
-                     fmt::format("colour and depth images within {:g} s of each other", kSameTime), "none");
+                     fmt::format("colour and depth images within {:g} s of each other", kSameTime),
+                     nearest_times(colour_list, depth_list));
   }
   const std::size_t alone = colour.size() + depth.size() - 2 * recording.frames.size();
   if (alone > 0) {

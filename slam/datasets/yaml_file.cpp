@@ -6,20 +6,14 @@
 #include "nn/base/text.h"
 #include "nn/io/file.h"
 #include "nn/io/number_file.h"
+#include "slam/datasets/yaml_flow.h"
+#include "slam/datasets/yaml_words.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-constexpr std::string_view kBlank = " \t\r";
 constexpr std::size_t kDeepest = 8;  // levels of keys in keys
-constexpr std::size_t kLongestQuote = 40;
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 // Up to a '#' that stands at the start or after a blank, and in no quotes.
 std::string_view without_comment(std::string_view line) {
@@ -39,17 +33,9 @@ std::string_view without_comment(std::string_view line) {
 
 std::string_view without_tag(std::string_view value) {
   if (!value.starts_with("!!")) return value;
-  const std::size_t end = value.find_first_of(kBlank);
-  return end == std::string_view::npos ? std::string_view() : trimmed(value.substr(end));
+  const std::size_t end = value.find_first_of(kYamlBlank);
+  return end == std::string_view::npos ? std::string_view() : trimmed_word(value.substr(end));
 }
-
-std::string_view without_quotes(std::string_view value) {
-  const bool is_quoted =
-      value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
-  return is_quoted ? value.substr(1, value.size() - 2) : value;
-}
-
-std::string in_quotes(std::string_view text) { return fmt::format("'{}'", printable(text, kLongestQuote)); }
 
 // Lines of a text, without comments.
 class Lines {
@@ -91,56 +77,60 @@ void YamlFile::read(std::string_view text) {
   std::size_t last_indent = 0;  // of it
   int last_line = 0;
   bool may_open = false;  // it has no value yet
+  bool in_rows = false;   // its value is of rows
   const auto place = [&] { return fmt::format("{}:{}", path_, lines.number()); };
   const auto refuse = [&](std::string_view expected, std::string_view found) {
     throw InputError(place(), expected, found);
   };
-  // Reads on to the closing bracket; `rest` follows the opening one.
-  const auto read_list = [&](std::string_view rest, std::string& into) {
+  // Reads on to the bracket that closes the first one of `rest`.
+  const auto read_flow = [&](std::string_view rest) {
     const int begun = lines.number();
-    while (true) {
-      const std::size_t close = rest.find(']');
-      into.append(rest.substr(0, close)).push_back(' ');
-      if (close != std::string_view::npos) {
-        if (!trimmed(rest.substr(close + 1)).empty()) {
-          refuse("the end of the line after a list", in_quotes(trimmed(rest.substr(close + 1))));
-        }
-        break;
-      }
+    std::string all(rest);
+    for (int depth = open_brackets(rest, 0); depth > 0; depth = open_brackets(lines.line(), depth)) {
       if (!lines.next()) {
-        throw InputError(fmt::format("{}:{}", path_, begun), "a list that ends with ']'", "no end");
+        throw InputError(fmt::format("{}:{}", path_, begun), "a list that ends with ']', a map with '}'",
+                         "no end");
       }
-      rest = lines.line();
+      all.append("\n").append(lines.line());
     }
-    if (into.find('[') != std::string::npos) refuse("a list of numbers", "a list in a list");
-    std::replace(into.begin(), into.end(), ',', ' ');
+    const std::size_t close = all.find_last_of("]}");
+    if (close == std::string::npos || !trimmed_word(std::string_view(all).substr(close + 1)).empty())
+      refuse("the end of the line after a list", in_quotes(trimmed_word(all.substr(close + 1))));
+    std::vector<FlowValue> values =
+        parse_flow(std::string_view(all).substr(0, close + 1), fmt::format("{}:{}", path_, begun));
+    for (FlowValue& value : values) value.line += begun;
+    return values;
   };
 
   // A key without a value and without keys of its own is there all the same: whoever reads it finds nothing.
   const auto leave_empty = [&] { values_[last_key] = Value{last_line, {}, false, {}}; };
 
   while (lines.next()) {
-    const std::string_view content = trimmed(lines.line());
+    const std::string_view content = trimmed_word(lines.line());
     if (content.empty() || content == "---" || content == "..." || content.front() == '%') continue;
     const std::size_t indent = lines.line().find_first_not_of(' ');
     if (lines.line()[indent] == '\t') refuse("keys indented with blanks", "a tab");
     if (content.front() == '-') {
-      const std::string_view row = trimmed(content.substr(1));
-      if (last_key.empty() || row.empty() || row.front() != '[')
-        refuse("a key, or a row '- [...]'", in_quotes(content));
-      const auto [at, is_new] = values_.try_emplace(last_key, Value{lines.number(), {}, true, {}});
-      if (!may_open && is_new) refuse("a key, or a row '- [...]'", in_quotes(content));
-      if (!at->second.is_list) refuse("a key", in_quotes(content));
+      std::string_view row = content;  // "- - 1": the first number of a row
+      while (row.starts_with("-") && (row.size() == 1 || kYamlBlank.find(row[1]) != std::string_view::npos))
+        row = trimmed_word(row.substr(1));
+      const bool is_number = row.find_first_not_of("0123456789+-.eE") == std::string_view::npos;
+      if (last_key.empty() || row.empty() || row == content || (row.front() != '[' && !is_number))
+        refuse("a key, or a row '- [...]' or '- NUMBER'", in_quotes(content));
+      if (!may_open && !in_rows) refuse("a key", in_quotes(content));
+      Value& rows = values_.try_emplace(last_key, Value{lines.number(), {}, true, {}}).first->second;
       may_open = false;
-      read_list(row.substr(1), at->second.text);
+      in_rows = true;
+      rows.text += is_number ? std::string(row) : read_flow(row).front().text;
+      rows.text += ' ';
       continue;
     }
     const std::size_t colon = content.find(':');
     if (colon == std::string_view::npos ||
-        (colon + 1 < content.size() && kBlank.find(content[colon + 1]) == std::string_view::npos)) {
+        (colon + 1 < content.size() && kYamlBlank.find(content[colon + 1]) == std::string_view::npos)) {
       refuse("'key: value'", in_quotes(content));
     }
-    const std::string_view name = without_quotes(trimmed(content.substr(0, colon)));
+    const std::string_view name = without_quotes(trimmed_word(content.substr(0, colon)));
     if (name.empty() || name.find('.') != std::string_view::npos || !is_utf8(name)) {
       refuse("a key without dots", in_quotes(name));
     }
@@ -157,18 +147,22 @@ void YamlFile::read(std::string_view text) {
     last_key = key;
     last_indent = indent;
     last_line = lines.number();
-    std::string_view value = without_tag(trimmed(content.substr(colon + 1)));
+    in_rows = false;
+    std::string_view value = without_tag(trimmed_word(content.substr(colon + 1)));
     may_open = value.empty();
     if (may_open) continue;
-    Value& stored = values_[key];
-    stored.line = lines.number();
-    if (value.front() == '[') {
-      stored.is_list = true;
-      read_list(value.substr(1), stored.text);
-    } else if (std::string_view("|>&*{").find(value.front()) != std::string_view::npos) {
+    if (value.front() == '[' || value.front() == '{') {
+      for (FlowValue& inner : read_flow(value)) {
+        const std::string name = inner.key.empty() ? key : key + "." + inner.key;
+        if (has(name))
+          throw InputError(fmt::format("{}:{}", path_, inner.line), "every key once",
+                           fmt::format("{} again", in_quotes(name)));
+        values_[name] = Value{inner.line, std::move(inner.text), inner.is_list, {}};
+      }
+    } else if (std::string_view("|>&*").find(value.front()) != std::string_view::npos) {
       refuse("a number, a list of numbers or a word", in_quotes(value));
     } else {
-      stored.text = without_quotes(value);
+      values_[key] = Value{lines.number(), std::string(without_quotes(value)), false, {}};
     }
   }
   if (may_open) leave_empty();

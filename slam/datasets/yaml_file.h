@@ -4,7 +4,9 @@
 //   T_BS:                             a key that holds keys: "T_BS.data" names the list below
 //     cols: 4
 //     data: [0.0, 1.0,                a list may go on over several lines
-//            0.5, 0.0]                "- [0.0, 1.0]" rows, one a line, are joined to one list
+//            0.5, 0.0]                rows in it, [[0.0, 1.0], [0.5, 0.0]], are joined to one list; so are
+//                                     "- [0.0, 1.0]", "- 0.5" and "- - 0.5", one a line
+//   left: {fx: 458.6, fy: 457.3}      "left.fx" and "left.fy", as if they stood below it (yaml_flow.h)
 //   camera_model: pinhole             a word, quoted or not
 //
 // Anchors, block texts, lists of words and several documents are refused, as are tabs before a key and keys

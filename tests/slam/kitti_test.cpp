@@ -248,7 +248,7 @@ TEST_F(Kitti, BrokenTimesAreRefused) {
   nn::write_file(sequence() / "times.txt", "0\n0.1\n0.2\n");
   expect_refused({"times.txt", "times of 4 frames", "found 3"});
   nn::write_file(sequence() / "times.txt", "0\n0.1\n0.05\n0.3\n");
-  expect_refused({"times.txt:3", "a time after 0.1 s", "0.05 s"});
+  expect_refused({"times.txt:3", "a time after 0.100000 s", "0.050000 s"});
   nn::write_file(sequence() / "times.txt", "0\n0.1\n0.1\n0.3\n");
   EXPECT_EQ(open_dataset(root())->size(), 3);  // two images of one time: the first
   nn::write_file(sequence() / "times.txt", "0\nnan\n0.2\n0.3\n");

@@ -53,6 +53,31 @@ TEST_F(Yaml, ReadsRowsTagsAndDeeperKeys) {
   EXPECT_EQ(yaml.text_or("c", "none"), "none");
 }
 
+TEST_F(Yaml, ReadsListsAndMapsAsPythonWritesThem) {
+  const YamlFile yaml = read(
+      "a:\n- 185.6\n- -2e-3\nb:\n  c:\n  - - 1.0\n    - 0.0\n  - - 0.0\n    - 1.0\n"
+      "K: [[1, 0, 2],\n    [0, 3, 4]] # rows\nleft: {fx: 1.5, \"model\": 'a, b',\n  size: [2, 3], in: {x: "
+      "7}}\n"
+      "d: {}\n");
+  EXPECT_EQ(yaml.numbers("a"), (std::vector<double>{185.6, -2e-3}));
+  EXPECT_EQ(yaml.numbers("b.c"), (std::vector<double>{1, 0, 0, 1}));
+  EXPECT_EQ(yaml.numbers("K"), (std::vector<double>{1, 0, 2, 0, 3, 4}));
+  EXPECT_EQ(yaml.number("left.fx"), 1.5);
+  EXPECT_EQ(yaml.text("left.model"), "a, b");
+  EXPECT_EQ(yaml.numbers("left.size"), (std::vector<double>{2, 3}));
+  EXPECT_EQ(yaml.number("left.in.x"), 7.0);
+  EXPECT_NE(yaml.place("left.size").find("camera.yaml:13 (left.size)"), std::string::npos);
+  EXPECT_TRUE(yaml.has_value("d"));
+  expect_refused("a: [{b: 1}]\n", {"camera.yaml:1", "a map in a list"});
+  expect_refused("a: [[1, [2]]]\n", {"camera.yaml:1", "a list in a row"});
+  expect_refused("a: [1] [2]\n", {"camera.yaml:1", "one list"});
+  expect_refused("a: {b: 1\n", {"camera.yaml:1", "no end"});
+  expect_refused("a: {b}\n", {"camera.yaml:1", "{key: value, ...}", "'b'"});
+  expect_refused("a: {b: 1, b: 2}\n", {"camera.yaml:1", "every key once", "'a.b'"});
+  expect_refused("a: [1]\n- 2\n", {"camera.yaml:2", "a key"});
+  expect_refused("a:\n-2\n", {"camera.yaml:2", "a row"});
+}
+
 TEST_F(Yaml, RefusesWhatItDoesNotUnderstandWithItsLine) {
   expect_refused("a: 1\nb\n", {"camera.yaml:2", "'key: value'", "'b'"});
   expect_refused("a: 1\na: 2\n", {"camera.yaml:2", "every key once", "'a'"});
