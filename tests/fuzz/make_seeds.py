@@ -245,7 +245,7 @@ def coco_annotation_files():
     yield "valid_floats", file(images=[dict(image, width=8.0)], annotations=[dict(annotation, id=0.0)])
     yield "valid_two_points", file(annotations=[dict(annotation, segmentation=annotation["segmentation"] + [[1, 1, 3, 2]])])
     yield "valid_no_sizes", file(images=[{"id": 1}])
-    yield "bad_width", file(images=[dict(image, width=0)])
+    yield "valid_width_0", file(images=[dict(image, width=0)])
     yield "bad_half", file()[:200]
     yield "bad_deep", b"[" * 1000
 
