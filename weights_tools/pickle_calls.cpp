@@ -109,6 +109,10 @@ ValueId make_attribute(PickleHeap& heap, ValueId arguments) {
         "attributes of a class by their names",
         fmt::format("getattr of '{}' (nothing was executed; the file may be an attack)", printable(name)));
   }
+  // How Python restores a time zone, zoneinfo.ZoneInfo._unpickle(key, ...): as a call of the class.
+  if (name == "_unpickle" && heap[given[0]].kind == ValueKind::global && heap[given[0]].text == "ZoneInfo") {
+    return given[0];
+  }
   return heap.add({.kind = ValueKind::attribute});
 }
 
@@ -137,9 +141,13 @@ ValueId make_object(PickleHeap& heap, ValueId function, ValueId arguments) {
 
 ValueId call(PickleHeap& heap, ValueId function, ValueId arguments) {
   const ValueKind kind = heap[function].kind;
-  if (kind == ValueKind::attribute) {
+  // An attrgetter or methodcaller does no harm until it is called.
+  const std::string_view name = heap[function].text;
+  const bool is_getter = kind == ValueKind::object && (name == "attrgetter" || name == "methodcaller");
+  if (kind == ValueKind::attribute || is_getter) {
     heap.fail("calls of classes and functions",
-              "a call of what getattr names (nothing was executed; the file may be an attack)");
+              "a call of what getattr, attrgetter or methodcaller names (nothing was executed; the file may "
+              "be an attack)");
   }
   if (kind == ValueKind::object) return make_object(heap, function, arguments);  // functools.partial
   const Global global = heap.expect(function, ValueKind::global, "what is called").global;

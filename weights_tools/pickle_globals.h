@@ -16,6 +16,6 @@ namespace penumbra::weights_tools {
 std::optional<Global> find_global(std::string_view module, std::string_view name);
 
 // Why a global is refused, and what the user can do about it.
-std::string_view advice_on_refused_global(std::string_view module);
+std::string_view advice_on_refused_global(std::string_view module, std::string_view name);
 
 }  // namespace penumbra::weights_tools

@@ -18,6 +18,7 @@ namespace penumbra::weights_tools {
 namespace {
 
 constexpr std::size_t kLongestGlobalName = 256;
+constexpr std::string_view kNeededOperation = "a pickle operation that state dicts need";
 constexpr int kNewestProtocol = 5;
 
 class PickleMachine {
@@ -156,10 +157,20 @@ class PickleMachine {
       }
       case Opcode::kBuild:
         return build();
+      case Opcode::kInst: {  // of protocol 0: read to say what it would have made
+        const std::string_view module = reader_.line(kLongestGlobalName);
+        const std::string_view name = reader_.line(kLongestGlobalName);
+        allowed_global(module, name);
+        heap_.fail(kNeededOperation, fmt::format("INST of {}.{} (protocol 0; nothing was executed)",
+                                                 printable(module), printable(name)));
+      }
+      case Opcode::kPersId:
+        heap_.fail(kNeededOperation, fmt::format("PERSID '{}' (protocol 0; nothing was executed)",
+                                                 printable(reader_.line(kLongestGlobalName))));
       case Opcode::kBinPersId:
         return stack_.push_back(find_storage(heap_, pop()));
     }
-    heap_.fail("a pickle operation that state dicts need",
+    heap_.fail(kNeededOperation,
                fmt::format("opcode 0x{:02x} '{}' (nothing was executed)", opcode,
                            printable(std::string_view(reinterpret_cast<const char*>(&opcode), 1))));
   }
@@ -271,13 +282,17 @@ class PickleMachine {
   }
 
   void push_global(std::string_view module, std::string_view name) {
+    push({.kind = ValueKind::global, .global = allowed_global(module, name), .text = name});
+  }
+
+  Global allowed_global(std::string_view module, std::string_view name) const {
     const std::optional<Global> global = find_global(module, name);
     if (!global) {
       heap_.fail("only globals that checkpoints need, such as torch._utils._rebuild_tensor_v2",
                  fmt::format("{}.{} (nothing was executed; {})", printable(module), printable(name),
-                             advice_on_refused_global(module)));
+                             advice_on_refused_global(module, name)));
     }
-    push({.kind = ValueKind::global, .global = *global, .text = name});
+    return *global;
   }
 
   void build() {

@@ -55,6 +55,8 @@ enum class Opcode : std::uint8_t {
   kNewObjEx = 0x92,
   kBuild = 'b',
   kBinPersId = 'Q',
+  kInst = 'i',    // refused by what it names
+  kPersId = 'P',  // the same
   kProto = 0x80,
   kFrame = 0x95,
 };
