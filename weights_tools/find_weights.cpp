@@ -23,15 +23,18 @@ constexpr std::array<std::string_view, 14> kUsual = {
     "state_dict",     "model_state_dict", "model_state", "model",   "module", "net",     "network",
     "net_state_dict", "params",           "generator",   "weights", "netG",   "teacher", "student"};
 constexpr int kOrdinaryRank = 500;  // of other keys, and of tensors that stand outermost
-// Parts of the keys of what is not a network.
-constexpr std::array<std::string_view, 12> kOther = {"optim",    "sched", "scaler",    "rng",
-                                                     "random",   "loss",  "criterion", "hyper",
-                                                     "callback", "args",  "config",    "metric"};
+// Words in the keys of what is not a network.
+constexpr std::array<std::string_view, 25> kOther = {
+    "optim",      "optimizer", "optimizers", "optimiser", "optimisers", "sched", "scheduler",
+    "schedulers", "scaler",    "scalers",    "rng",       "random",     "loss",  "losses",
+    "criterion",  "hyper",     "hparams",    "callback",  "callbacks",  "args",  "config",
+    "configs",    "cfg",       "metric",     "metrics"};
 
 struct Holder {
   std::vector<std::string> path;  // keys
   const Value* value = nullptr;
   FoundWeights weights;
+  bool is_other = false;   // its keys are those of something that is no network
   bool is_known = false;   // its names are those of a network that Penumbra runs
   std::vector<int> ranks;  // of its keys, lower is better
 
@@ -50,11 +53,22 @@ bool holds_tensors(const PickledObject& object, const Value& dict) {
   return false;
 }
 
+// Whether one of the key's words, as in "lr_scheduler", "loss.fn" and "optimizerG", is that of something
+// else.
 bool is_of_something_else(std::string_view key) {
-  std::string lower(key);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::any_of(kOther.begin(), kOther.end(),
-                     [&](std::string_view part) { return lower.find(part) != std::string::npos; });
+  std::string word;
+  bool was_small = false;
+  for (std::size_t i = 0; i <= key.size(); ++i) {
+    const unsigned char c = i < key.size() ? static_cast<unsigned char>(key[i]) : '.';
+    const bool begins = std::isalpha(c) == 0 || (std::isupper(c) != 0 && was_small);
+    if (begins) {
+      if (std::find(kOther.begin(), kOther.end(), word) != kOther.end()) return true;
+      word.clear();
+    }
+    if (std::isalpha(c) != 0) word += static_cast<char>(std::tolower(c));
+    was_small = std::islower(c) != 0;
+  }
+  return false;
 }
 
 int rank_of(std::string_view key) {
@@ -70,7 +84,11 @@ bool is_averaged(const Holder& holder) {
 
 // Tensors by name; whole numbers are names, too. The last of a name counts, as in Python.
 std::vector<NamedValue> tensors_of(const PickledObject& object, const Value& dict, const std::string& place) {
-  std::map<std::string, ValueId> entries;
+  struct Entry {
+    ValueId id = 0;
+    ValueKind key_kind = ValueKind::text;
+  };
+  std::map<std::string, Entry> entries;
   for (std::size_t i = 0; i + 1 < dict.items.size(); i += 2) {
     const Value& name = object[dict.items[i]];
     // Checked before names are compared, which could take hours with ones of megabytes.
@@ -78,18 +96,23 @@ std::vector<NamedValue> tensors_of(const PickledObject& object, const Value& dic
       throw InputError(place, fmt::format("names of at most {} bytes", kLongestTensorName),
                        fmt::format("{} bytes: \"{}\"", name.text.size(), printable(name.text, 40)));
     }
-    if (name.kind == ValueKind::text) {
-      entries[std::string(name.text)] = dict.items[i + 1];
-    } else if (name.kind == ValueKind::integer) {
-      entries[fmt::format("{}", name.number)] = dict.items[i + 1];
+    if (name.kind == ValueKind::text || name.kind == ValueKind::integer) {
+      const std::string text =
+          name.kind == ValueKind::text ? std::string(name.text) : fmt::format("{}", name.number);
+      const auto [entry, is_new] = entries.try_emplace(text);
+      if (!is_new && entry->second.key_kind != name.kind) {
+        throw InputError(place, "names that differ",
+                         fmt::format("both {} and '{}'", printable(text, 40), printable(text, 40)));
+      }
+      entry->second = {dict.items[i + 1], name.kind};
     } else if (holds(object, dict.items[i + 1])) {
       throw InputError(place, "tensors named by texts or whole numbers",
                        fmt::format("a tensor under {}", to_string(name.kind)));
     }
   }
   std::vector<NamedValue> tensors;
-  for (const auto& [name, id] : entries) {
-    if (holds(object, id)) tensors.push_back({name, id});
+  for (const auto& [name, entry] : entries) {
+    if (holds(object, entry.id)) tensors.push_back({name, entry.id});
   }
   return tensors;
 }
@@ -101,7 +124,7 @@ class Search {
   // In order of depth. Objects may hold themselves and each other, and stand under several keys: each is
   // looked into once.
   std::vector<Holder> run() {
-    std::vector<Holder> queue = {{{}, &object_[object_.root], {}, false, {}}};
+    std::vector<Holder> queue = {{{}, &object_[object_.root], {}, false, false, {}}};
     std::vector<Holder> found;
     std::map<const Value*, bool> has_weights;
     for (std::size_t next = 0; next < queue.size() && found.size() < kMostHolders; ++next) {
@@ -127,7 +150,7 @@ class Search {
     }
     std::vector<std::string> names;
     for (const NamedValue& tensor : holder.weights.tensors) {
-      if (tensor.name != kAveragingCounter) names.push_back(tensor.name);
+      names.push_back(tensor.name);
     }
     holder.is_known = are_of_a_known_network(names);
     for (const std::string& key : holder.path) holder.ranks.push_back(rank_of(key));
@@ -143,8 +166,9 @@ class Search {
       const Value& value = object_[items[i + 1]];
       if (key.kind != ValueKind::text || key.text.size() > kLongestTensorName) continue;
       if (value.kind != ValueKind::dict && value.kind != ValueKind::object) continue;
-      Holder inner{holder.path, &value, {}, false, {}};
+      Holder inner{holder.path, &value, {}, false, false, {}};
       inner.path.emplace_back(key.text);
+      inner.is_other = holder.is_other || is_of_something_else(key.text);
       queue.push_back(std::move(inner));
     }
   }
@@ -197,6 +221,7 @@ void rank_incomplete_averages(std::vector<Holder>& holders) {
 // Lower is better.
 bool precedes(const Holder& a, const Holder& b) {
   if (a.is_known != b.is_known) return a.is_known;
+  if (a.is_other != b.is_other) return b.is_other;
   if (a.ranks != b.ranks) return a.ranks < b.ranks;
   return a.weights.tensors.size() > b.weights.tensors.size();
 }
@@ -205,8 +230,8 @@ bool precedes(const Holder& a, const Holder& b) {
 bool are_equal(const Holder& best, const Holder& other) {
   const bool is_inside = other.path.size() > best.path.size() &&
                          std::equal(best.path.begin(), best.path.end(), other.path.begin());
-  return best.is_known == other.is_known && best.ranks == other.ranks && !best.path.empty() &&
-         !other.path.empty() && !is_inside && best.value != other.value;
+  return best.is_known == other.is_known && best.is_other == other.is_other && best.ranks == other.ranks &&
+         !best.path.empty() && !other.path.empty() && !is_inside && best.value != other.value;
 }
 
 }  // namespace
@@ -221,19 +246,28 @@ FoundWeights find_weights(const PickledObject& object, const std::string& place,
   Search search(object, place);
   std::vector<Holder> holders = search.run();
   if (holders.empty()) throw InputError(place, wanted, list_keys(object, root));
+  std::stable_partition(holders.begin(), holders.end(),
+                        [](const Holder& holder) { return !holder.is_other; });
+  const bool has_plain_keys = !holders.front().is_other;
   std::vector<Holder> candidates;
-  for (const Holder& holder : holders) {
+  for (Holder holder : holders) {
     const std::string path = holder.key();
-    const bool is_under_key = path == key || path.starts_with(std::string(key) + ".");
-    const bool is_other = std::any_of(holder.path.begin(), holder.path.end(), is_of_something_else);
-    if (key.empty() ? !is_other : is_under_key) candidates.push_back(holder);
+    if (!key.empty() && path != key && !path.starts_with(std::string(key) + ".")) continue;
+    // What is not a network by its key may be one, but then by what it holds; if not, it may hold anything.
+    const bool may_be_dropped = key.empty() && holder.is_other && has_plain_keys;
+    try {
+      search.describe(holder);
+    } catch (const InputError&) {
+      if (!may_be_dropped) throw;
+      continue;
+    }
+    if (may_be_dropped && !holder.is_known) continue;
+    candidates.push_back(std::move(holder));
   }
-  if (candidates.empty() && !key.empty()) {
+  if (candidates.empty()) {
     throw InputError(place, fmt::format("weights under the key '{}'", printable(key)),
                      "them under " + list_holders(holders));
   }
-  if (candidates.empty()) candidates = holders;
-  for (Holder& holder : candidates) search.describe(holder);
   rank_incomplete_averages(candidates);
   std::stable_sort(candidates.begin(), candidates.end(), precedes);
   if (key.empty() && candidates.size() > 1 && are_equal(candidates[0], candidates[1])) {
@@ -243,11 +277,7 @@ FoundWeights find_weights(const PickledObject& object, const std::string& place,
   Holder& best = candidates.front();
   if (!best.path.empty()) {
     std::string note = fmt::format("weights under '{}' taken", printable(best.key()));
-    candidates.erase(candidates.begin() + 1, candidates.end());
-    std::erase_if(holders, [&](const Holder& holder) {
-      return holder.path == best.path ||
-             std::any_of(holder.path.begin(), holder.path.end(), is_of_something_else);
-    });
+    std::erase_if(holders, [&](const Holder& holder) { return holder.path == best.path; });
     if (!holders.empty()) note += fmt::format(" (others: {}; --key chooses)", list_holders(holders));
     best.weights.notes.push_back(std::move(note));
   }

@@ -15,7 +15,8 @@ struct FoundWeights : WholeNetwork {
 };
 
 // The object itself or what lies in it, up to four keys deep (as "model.state_dict"): a dict of tensors or a
-// whole network. Keys of optimisers, schedulers, losses and the like are passed over. Of several
+// whole network. Keys with words of optimisers, schedulers, losses and the like are passed over, unless what
+// they hold is a network that Penumbra runs. Of several
 //   1. the names of a network that Penumbra runs go first;
 //   2. then the usual keys: averaged weights (ema, model_ema, ...) that are as complete as the others, before
 //      state_dict, model, net, ...;

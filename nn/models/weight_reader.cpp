@@ -119,8 +119,14 @@ void WeightReader::finish(const std::string& network) const {
     }
   }
   if (problems.empty()) return;
+  constexpr std::size_t kMostListed = 10;
+  const std::size_t count = problems.size();
+  if (count > kMostListed) {
+    problems.resize(kMostListed);
+    problems.push_back(fmt::format("and {} more", count - kMostListed));
+  }
   throw InputError(state_dict_.source, fmt::format("the weights of {}", network),
-                   fmt::format("{} that do not fit:\n  {}", problems.size(), fmt::join(problems, "\n  ")));
+                   fmt::format("{} that do not fit:\n  {}", count, fmt::join(problems, "\n  ")));
 }
 
 }  // namespace penumbra::nn

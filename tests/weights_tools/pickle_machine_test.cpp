@@ -413,6 +413,12 @@ TEST(FindStateDict, TheLastOfANameCountsAsInPython) {
   EXPECT_EQ(tensors[0].shape, std::vector<std::int64_t>{2});
 }
 
+TEST(FindStateDict, AWholeNumberAndItsTextAreNotOneName) {
+  const std::string one = tensor(storage("0", 1), 0, {1}, {1});
+  const PickledObject object = run("}K\x01"s + one + "s" + text("1") + one + "s.");
+  EXPECT_CONTAINS(test::message_of<InputError>([&] { find_state_dict(object, "pickle"); }), "both 1 and '1'");
+}
+
 TEST(FindStateDict, NamesMustBeShortUtf8) {
   const std::string one = tensor(storage("0", 1), 0, {1}, {1});
   EXPECT_THROW(find_state_dict(run(dict_of_one("\xED\xA0\x80", one) + "."), ""), InputError);

@@ -1,5 +1,6 @@
 // Checkpoints as training scripts leave them (weights_tools/reference/make_wild_checkpoint_fixtures.py): the
 // same small network in many wrappings, beside all kinds of values.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "nn/base/error.h"
@@ -7,6 +8,9 @@
 #include "tests/support/bytes.h"
 #include "tests/support/test_data.h"
 #include "weights_tools/load_weights.h"
+#include "weights_tools/pickle_machine.h"
+#include "weights_tools/torch_state_dict.h"
+#include "weights_tools/weight_names.h"
 
 namespace penumbra::weights_tools {
 namespace {
@@ -109,6 +113,70 @@ TEST(WildCheckpoint, TheKeyThatFitsIsTakenAndSaid) {
   EXPECT_CONTAINS(refusal_of("two_equal"), "several: 'netA', 'netB'");
   expect_the_network(load_weights(wild("two_equal"), "netB"));
   EXPECT_CONTAINS(refusal_of("two", "generator"), "weights under the key 'generator'");
+}
+
+TEST(WildCheckpoint, ForeignEntriesBesideAKnownNetworkAreLeftOut) {
+  const std::vector<float> one = {1.0F};
+  const nn::StoredTensor tensor{nn::DataType::f32, {1}, std::as_bytes(std::span(one))};
+  const auto unwrapped = [&](const std::string& prefix, const std::vector<std::string>& own,
+                             const std::vector<std::string>& foreign) {
+    nn::StateDict state;
+    for (const std::string& name : own) state.tensors.emplace(prefix + name, tensor);
+    for (const std::string& name : foreign) state.tensors.emplace(name, tensor);
+    unwrap_names(state);
+    return state;
+  };
+  const std::vector<std::string> resnet = {"conv1.weight", "layer1.0.conv1.weight", "layer1.0.bn1.weight",
+                                           "fc.weight", "fc.bias"};
+  const std::vector<std::string> yolov5 = {"model.0.conv.weight", "model.1.conv.weight",
+                                           "model.2.conv.weight", "model.24.m.0.weight"};
+  const std::vector<std::string> mask_rcnn = {"backbone.body.layer1.0.conv1.weight",
+                                              "backbone.body.conv1.weight", "rpn.head.weight",
+                                              "roi_heads.box_predictor.cls_score.weight"};
+  for (const auto& own : {resnet, yolov5, mask_rcnn}) {
+    for (const std::string prefix : {"model.", "net.", "detector.", "module.model.", "model.module."}) {
+      for (const std::string foreign : {"criterion.weight", "val_map.x"}) {
+        SCOPED_TRACE(prefix + own.front());
+        const nn::StateDict state = unwrapped(prefix, own, {foreign});
+        EXPECT_EQ(state.tensors.size(), own.size());
+        EXPECT_TRUE(state.tensors.contains(own.front()));
+        EXPECT_CONTAINS(notes_of(state), "left out: " + foreign);
+      }
+    }
+  }
+  EXPECT_EQ(unwrapped("module.", resnet, {"steps"}).tensors.size(), 5U);
+  EXPECT_EQ(unwrapped("module.", {"a", "b"}, {"steps"}).tensors.count("a"), 1U);
+  // A network that only holds one of ours, and two of ours, stay as they are.
+  EXPECT_EQ(unwrapped("encoder.", resnet, {"decoder.a", "decoder.b"}).tensors.size(), 7U);
+  EXPECT_EQ(unwrapped("backbone.", {"layer1.0.conv1.weight", "conv1.weight", "x", "y"}, {"neck.a"})
+                .tensors.count("neck.a"),
+            1U);
+}
+
+TEST(WildCheckpoint, KeysAreReadInWordsAndWhatFitsGoesFirst) {
+  const auto pickled = [](const std::string& key, const std::string& name) {
+    const auto text = [](const std::string& value) {
+      return "X" + test::little_endian(static_cast<std::uint32_t>(value.size())) + value;
+    };
+    std::string tensor = "ctorch._utils\n_rebuild_tensor\n((" + text("storage") + "ctorch\nFloatStorage\n" +
+                         text("0") + text("cpu") + "K\x01tQK";
+    tensor += std::string(1, '\0') + "K\x01\x85K\x01\x85tR";
+    return text(key) + "}" + text(name) + tensor + "s";
+  };
+  const auto taken = [&](const std::string& entries) {
+    const std::string pickle = "}(" + entries + "u.";
+    const PickledObject object = run_pickle(test::as_bytes(pickle), 0, "pickle");
+    return fmt::format("{}", fmt::join(find_state_dict(object, "pickle").notes, "; "));
+  };
+  for (const std::string key : {"metric_net", "hyperspectral_model", "lossless_net", "targs_model", "loss"}) {
+    EXPECT_CONTAINS(taken(pickled("other", "w") + pickled(key, "model.0.conv.weight")),
+                    fmt::format("'{}' taken (others: 'other'", key));
+  }
+  EXPECT_CONTAINS(taken(pickled("lossless_net", "w") + pickled("lr_scheduler", "w")),
+                  "'lossless_net' taken (others: 'lr_scheduler'");
+  EXPECT_CONTAINS(taken(pickled("optimizerG", "w") + pickled("anything", "w")), "'anything' taken");
+  EXPECT_CONTAINS(taken(pickled("model", "model.0.conv.weight") + pickled("loss", "model.0.conv.weight")),
+                  "'model' taken");
 }
 
 TEST(WildCheckpoint, NamesMayBeWholeNumbersAndTypesOthers) {
