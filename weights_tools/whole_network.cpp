@@ -21,6 +21,9 @@ constexpr std::array<std::string_view, 13> kActivations = {
     "SiLU", "ReLU", "ReLU6", "LeakyReLU", "PReLU", "ELU",  "CELU",
     "SELU", "GELU", "Mish",  "Hardswish", "FReLU", "Swish"};
 
+// What YOLOv5 and torchvision call the part that is the activation, whatever its class.
+bool is_activation_name(std::string_view name) { return name == "act" || name == "relu"; }
+
 class Walk {
  public:
   Walk(const PickledObject& object, const std::string& place, WalkBudget& budget)
@@ -39,6 +42,7 @@ class Walk {
         const Value& inner = object_[modules->items[i + 1]];
         if (inner.kind != ValueKind::object) continue;  // None: a part that is left out
         parts.push_back({&inner, name_of(part, modules->items[i]) + ".", part.depth + 1});
+        if (is_activation_name(object_[modules->items[i]].text)) note_activation(inner);
         take(budget_.parts, 1);
         if (part.depth + 1 > kDeepestPart)
           throw InputError(place_, "a network of at most 64 nested parts", "more");
@@ -100,10 +104,12 @@ class Walk {
       if (key == "_buffers" && find(*tensors, "running_var") != nullptr) note_epsilon(*part.value);
     }
     note_settings(*part.value);
-    const std::string_view name = part.value->text;
-    if (std::find(kActivations.begin(), kActivations.end(), name) != kActivations.end()) {
-      activations_.insert(std::string(name));
+    if (std::find(kActivations.begin(), kActivations.end(), part.value->text) != kActivations.end()) {
+      note_activation(*part.value);
     }
+    // A function instead of a part: act = torch.nn.functional.silu.
+    const Value* function = find(*part.value, "act");
+    if (function != nullptr && function->kind == ValueKind::global) note_activation(*function);
     // The outermost part that has names or strides speaks for all.
     if (const Value* names = find(*part.value, "names"); names != nullptr && part.depth <= names_depth_) {
       if (const auto classes = read_class_list(object_, *names)) {
@@ -117,6 +123,9 @@ class Walk {
       stride_depth_ = part.depth;
     }
   }
+
+  // A class, or a function by its name.
+  void note_activation(const Value& value) { activations_.insert(printable(value.text, 80)); }
 
   void note_epsilon(const Value& norm) {
     const Value* eps = find(norm, "eps");

@@ -264,6 +264,17 @@ TEST(PickleMachine, TheResultOfGetattrIsNotCalled) {
                   "__globals__");
 }
 
+TEST(FindStateDict, ActivationsAreNamedWhateverTheirClass) {
+  for (const std::string name :
+       {"SiLU", "AconC", "MetaAconC", "MemoryEfficientMish", "Hardtanh", "Identity"}) {
+    const std::string weight =
+        text("_parameters") + "}" + text("w") + tensor(storage("0", 1), 0, {1}, {1}) + "s";
+    const PickledObject object = run("cmodels.common\nConv\n)\x81}("s + weight + text("_modules") + "}" +
+                                     text("act") + "cany.module\n" + name + "\n)\x81sub.");
+    EXPECT_EQ(find_state_dict(object, "pickle").metadata.at("activations"), name);
+  }
+}
+
 TEST(FindStateDict, NetworksThatShareTheirPartsAreBounded) {
   // Each part holds the one before ten times.
   std::string pickle = "ctrain\nPart\n)\x81}"s + text("_parameters") + "}" + text("w") +
