@@ -1,10 +1,13 @@
 #include "weights_tools/convert_floats.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "nn/base/error.h"
+#include "nn/base/text.h"
 #include "nn/io/half.h"
 #include "weights_tools/torch_storages.h"
 
@@ -50,6 +53,21 @@ void store_as_f16(const std::vector<float>& values, std::byte* out) {
   }
 }
 
+// Throws where a finite f64 is infinite as f32, through which all values go.
+void check_f32_holds(const nn::StateDict& state, const std::string& name, const nn::StoredTensor& tensor,
+                     const std::vector<float>& values) {
+  if (tensor.type != DataType::f64) return;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isinf(values[i])) continue;
+    double exact = 0.0;
+    std::memcpy(&exact, tensor.bytes.data() + i * sizeof exact, sizeof exact);
+    if (std::isfinite(exact)) {
+      throw InputError(fmt::format("{}: tensor \"{}\"", state.source, printable(name)),
+                       "values within the range of f32", fmt::format("{} at index {}", exact, i));
+    }
+  }
+}
+
 }  // namespace
 
 FloatConversion convert_floats(const nn::StateDict& state, nn::DataType type) {
@@ -58,6 +76,7 @@ FloatConversion convert_floats(const nn::StateDict& state, nn::DataType type) {
   for (auto& [name, tensor] : result.state.tensors) {
     if (!is_float(tensor.type) || tensor.type == type) continue;
     const std::vector<float> values = tensor.to_f32();
+    check_f32_holds(state, name, tensor, values);
     DataType stored = type;
     if (type == DataType::f16 && has_batch_norm(state, name)) {
       stored = DataType::f32;

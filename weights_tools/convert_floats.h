@@ -26,6 +26,8 @@ struct FloatConversion {
 //   - a tensor with a value beyond f16's range, or with a row (an output channel) of which every value that
 //   is
 //     not 0 is below f16's normal range: such rows are as small as the variance of their channel
+//
+// Throws InputError where a finite f64 lies beyond the range of f32.
 FloatConversion convert_floats(const nn::StateDict& state, nn::DataType type);
 
 }  // namespace penumbra::weights_tools

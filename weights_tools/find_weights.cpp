@@ -143,8 +143,7 @@ class Search {
   // Reads the tensors' names of a holder, and what ranks it.
   void describe(Holder& holder) {
     if (is_network(object_, *holder.value)) {
-      static_cast<WholeNetwork&>(holder.weights) =
-          read_whole_network(object_, *holder.value, place_, budget_);
+      holder.weights = read_whole_network(object_, *holder.value, place_, budget_);
     } else {
       holder.weights.tensors = tensors_of(object_, *holder.value, place_);
     }

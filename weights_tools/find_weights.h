@@ -10,9 +10,8 @@
 
 namespace penumbra::weights_tools {
 
-struct FoundWeights : WholeNetwork {
-  std::vector<std::string> notes;  // which of several was taken
-};
+// `notes` also says which of several was taken.
+using FoundWeights = WholeNetwork;
 
 // The object itself or what lies in it, up to four keys deep (as "model.state_dict"): a dict of tensors or a
 // whole network. Keys with words of optimisers, schedulers, losses and the like are passed over, unless what

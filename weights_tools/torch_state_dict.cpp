@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "nn/base/error.h"
@@ -97,6 +98,25 @@ TorchTensor read_tensor(const PickledObject& object, const Value& value, std::st
   return tensor;
 }
 
+// Tensors of u16, u32, u64, complex32 and float8, which PyTorch pickles by a function of their own: no
+// network here uses them. What was left out, if anything.
+std::optional<std::string> leave_out_odd_types(const PickledObject& object,
+                                               std::vector<NamedValue>& tensors) {
+  constexpr std::size_t kMostListed = 10;
+  std::vector<std::string> names;
+  std::erase_if(tensors, [&](const NamedValue& tensor) {
+    const Value& value = object[tensor.value];
+    if (value.kind != ValueKind::unread_tensor || value.text != "_rebuild_tensor_v3") return false;
+    names.push_back(printable(tensor.name, 80));
+    return true;
+  });
+  if (names.empty()) return std::nullopt;
+  const std::size_t count = names.size();
+  names.resize(std::min(count, kMostListed));
+  return fmt::format("tensors of u16, u32, u64, complex32 or float8 left out: {}{}", fmt::join(names, ", "),
+                     count > kMostListed ? fmt::format(" and {} more", count - kMostListed) : "");
+}
+
 }  // namespace
 
 TorchState find_state_dict(const PickledObject& object, const std::string& place, std::string_view key) {
@@ -107,6 +127,9 @@ TorchState find_state_dict(const PickledObject& object, const std::string& place
   TorchState state;
   state.metadata = std::move(found.metadata);
   state.notes = std::move(found.notes);
+  if (std::optional<std::string> note = leave_out_odd_types(object, found.tensors)) {
+    state.notes.push_back(std::move(*note));
+  }
   for (NamedValue& tensor : found.tensors) {
     state.tensors.push_back(read_tensor(object, object[tensor.value], std::move(tensor.name), place));
   }

@@ -15,7 +15,7 @@ namespace penumbra::weights_tools {
 
 namespace {
 
-constexpr std::size_t kDeepestPart = 64;
+constexpr std::size_t kDeepestPart = 64, kMostNotes = 16;
 
 constexpr std::array<std::string_view, 13> kActivations = {
     "SiLU", "ReLU", "ReLU6", "LeakyReLU", "PReLU", "ELU",  "CELU",
@@ -137,39 +137,61 @@ class Walk {
   void note_settings(const Value& part) {
     if (part.text == "GeneralizedRCNNTransform") {
       for (const char* key : {"min_size", "max_size"}) {
-        const Value* size = find(part, key);
-        if (size != nullptr) note_numbers(key, *size, Keep::last);  // of several sizes for training the last
+        const std::vector<std::string> sizes = numbers_of(part, key);
+        if (!sizes.empty()) network_.metadata[key] = sizes.back();  // of several sizes for training the last
       }
+      for (const char* key : {"image_mean", "image_std"}) keep_numbers(key, numbers_of(part, key));
     } else if (part.text == "AnchorGenerator") {
-      const Value* sizes = find(part, "sizes");
-      if (sizes != nullptr) note_numbers("anchor_sizes", *sizes, Keep::all);
+      keep_numbers("anchor_sizes", numbers_of(part, "sizes"));
+      keep_numbers("aspect_ratios", numbers_of(part, "aspect_ratios"));
+    } else if (part.text == "RoIHeads") {
+      note_if_other(part, "score_thresh", "0.05");
+      note_if_other(part, "nms_thresh", "0.5");
+      note_if_other(part, "detections_per_img", "100");
+    } else if (part.text == "RegionProposalNetwork") {
+      note_if_other(part, "nms_thresh", "0.7");
     }
   }
 
-  // A whole number, or tuples and lists of them, at most two deep: ((32,), (64,), ...).
-  enum class Keep { all, last };
-  void note_numbers(const char* key, const Value& value, Keep keep) {
+  void keep_numbers(const char* key, const std::vector<std::string>& numbers) {
+    if (!numbers.empty()) network_.metadata[key] = fmt::format("{}", fmt::join(numbers, ","));
+  }
+
+  // What a user chose for the results, which commands have options of their own for.
+  void note_if_other(const Value& part, const char* key, const char* usual) {
+    const std::vector<std::string> numbers = numbers_of(part, key);
+    if (numbers.empty() || numbers.front() == usual || network_.notes.size() >= kMostNotes) return;
+    network_.notes.push_back(
+        fmt::format("{}.{} = {} is not taken: {} is used", part.text, key, numbers.front(), usual));
+  }
+
+  // An attribute that is a number, or tuples and lists of them, at most two deep: ((32,), (64,), ...).
+  std::vector<std::string> numbers_of(const Value& part, std::string_view key) {
     constexpr std::size_t kMostNumbers = 64;
-    std::vector<std::int64_t> numbers;
+    const Value* value = find(part, key);
+    if (value == nullptr) return {};
+    std::vector<std::string> numbers;
     const auto add = [&](const Value& number) {
-      if (number.kind == ValueKind::integer && numbers.size() < kMostNumbers)
-        numbers.push_back(number.number);
+      if (numbers.size() >= kMostNumbers) return;
+      if (number.kind == ValueKind::integer) numbers.push_back(fmt::format("{}", number.number));
+      if (number.kind == ValueKind::real) {
+        numbers.push_back(fmt::format("{}", std::bit_cast<double>(number.number)));
+      }
     };
     const auto is_row = [](const Value& row) {
       return row.kind == ValueKind::tuple || row.kind == ValueKind::list;
     };
-    add(value);
-    if (is_row(value)) {
-      for (std::size_t i = 0; i < std::min(value.items.size(), kMostNumbers); ++i) {
-        const Value& item = object_[value.items[i]];
-        add(item);
-        if (!is_row(item)) continue;
-        for (std::size_t k = 0; k < std::min(item.items.size(), kMostNumbers); ++k)
-          add(object_[item.items[k]]);
+    add(*value);
+    if (!is_row(*value)) return numbers;
+    for (std::size_t i = 0; i < std::min(value->items.size(), kMostNumbers); ++i) {
+      const Value& item = object_[value->items[i]];
+      add(item);
+      if (!is_row(item)) continue;
+      for (std::size_t k = 0; k < std::min(item.items.size(), kMostNumbers); ++k) {
+        add(object_[item.items[k]]);
       }
     }
-    if (keep == Keep::last && numbers.size() > 1) numbers = {numbers.back()};
-    if (!numbers.empty()) network_.metadata[key] = fmt::format("{}", fmt::join(numbers, ","));
+    return numbers;
   }
 
   void finish() {

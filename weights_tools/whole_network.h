@@ -25,8 +25,9 @@ struct NamedValue {
 
 struct WholeNetwork {
   std::vector<NamedValue> tensors;  // as in its state_dict(): without buffers that are not kept
+  std::vector<std::string> notes;   // of settings that are not taken
   // What its objects say of themselves, see docs/formats.md: classes, batch_norm_eps, activations; of
-  // torchvision's detectors min_size, max_size, anchor_sizes.
+  // torchvision's detectors min_size, max_size, anchor_sizes, aspect_ratios, image_mean, image_std.
   std::map<std::string, std::string> metadata;
   std::optional<ValueId> stride;  // YOLOv5's tensor of its levels' strides
 };

@@ -80,6 +80,9 @@ MaskRcnn::MaskRcnn(const StateDict& state_dict, MaskRcnnConfig config)
   const StateDict renamed = with_current_names(state_dict);
   WeightReader weights(renamed, config_.precision);
   weights.expect_metadata("activations", "ReLU");
+  weights.expect_metadata("image_mean", "0.485,0.456,0.406");
+  weights.expect_metadata("image_std", "0.229,0.224,0.225");
+  weights.expect_metadata("aspect_ratios", "0.5,1,2,0.5,1,2,0.5,1,2,0.5,1,2,0.5,1,2");
   backbone_ = ResNet(weights, kBody, resnet_shape(weights, kBody), config_.batch_norm_eps);
   pyramid_ = FeaturePyramid(weights, "backbone.fpn.", backbone_.channels(), config_.attention);
   const int channels = pyramid_.channels();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <deque>
 #include <limits>
@@ -275,6 +276,26 @@ TEST(FindStateDict, ActivationsAreNamedWhateverTheirClass) {
   }
 }
 
+TEST(FindStateDict, SettingsOfDetectorsAreKeptOrSaid) {
+  const auto real = [](double value) {
+    std::string bytes = little_endian(std::bit_cast<std::uint64_t>(value)) + "G";
+    std::reverse(bytes.begin(), bytes.end());
+    return bytes;
+  };
+  const std::string weight =
+      text("_parameters") + "}" + text("w") + tensor(storage("0", 1), 0, {1}, {1}) + "s";
+  const TorchState transform =
+      find_state_dict(run("ct\nGeneralizedRCNNTransform\n)\x81}("s + weight + text("image_mean") + "](" +
+                          real(0) + real(0.5) + "e" + text("min_size") + "K\x20\x85ub."),
+                      "pickle");
+  EXPECT_EQ(transform.metadata.at("image_mean"), "0,0.5");
+  EXPECT_EQ(transform.metadata.at("min_size"), "32");
+  const TorchState heads = find_state_dict(run("ct\nRoIHeads\n)\x81}("s + weight + text("score_thresh") +
+                                               real(0.3) + text("nms_thresh") + real(0.5) + "ub."),
+                                           "pickle");
+  EXPECT_EQ(heads.notes, std::vector<std::string>{"RoIHeads.score_thresh = 0.3 is not taken: 0.05 is used"});
+}
+
 TEST(FindStateDict, NetworksThatShareTheirPartsAreBounded) {
   // Each part holds the one before ten times.
   std::string pickle = "ctrain\nPart\n)\x81}"s + text("_parameters") + "}" + text("w") +
@@ -428,6 +449,16 @@ TEST(FindStateDict, AWholeNumberAndItsTextAreNotOneName) {
   const std::string one = tensor(storage("0", 1), 0, {1}, {1});
   const PickledObject object = run("}K\x01"s + one + "s" + text("1") + one + "s.");
   EXPECT_CONTAINS(test::message_of<InputError>([&] { find_state_dict(object, "pickle"); }), "both 1 and '1'");
+}
+
+TEST(FindStateDict, ElementTypesThatNoNetworkUsesAreLeftOut) {
+  const PickledObject object = run("}("s + text("w") + tensor(storage("0", 1), 0, {1}, {1}) + text("q") +
+                                   "ctorch._utils\n_rebuild_tensor_v3\n)Ru.");
+  const TorchState state = find_state_dict(object, "pickle");
+  ASSERT_EQ(state.tensors.size(), 1U);
+  EXPECT_EQ(state.tensors[0].name, "w");
+  ASSERT_EQ(state.notes.size(), 1U);
+  EXPECT_CONTAINS(state.notes[0], "left out: q");
 }
 
 TEST(FindStateDict, NamesMustBeShortUtf8) {
