@@ -53,6 +53,13 @@ void convert(const ConvertOptions& options) {
   const weights_tools::CheckpointFormat format = weights_tools::checkpoint_format(options.input);
   nn::StateDict state = load_noted_weights(options.input, options.key);
 
+  const std::vector<std::string> left_out = weights_tools::leave_out_unwritable(state);
+  if (!left_out.empty()) {
+    spdlog::warn("{} tensors of C128 left out, which safetensors does not have: {}{}", left_out.size(),
+                 printable(left_out.front()), left_out.size() > 1 ? ", ..." : "");
+  }
+  if (state.tensors.empty()) throw InputError(options.input, "tensors that safetensors can hold", "none");
+
   std::size_t converted = 0, batch_norms = 0;
   if (options.dtype != "keep") {
     const nn::DataType type = options.dtype == "f16" ? nn::DataType::f16 : nn::DataType::f32;

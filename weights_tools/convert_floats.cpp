@@ -101,4 +101,13 @@ FloatConversion convert_floats(const nn::StateDict& state, nn::DataType type) {
   return result;
 }
 
+std::vector<std::string> leave_out_unwritable(nn::StateDict& state) {
+  std::vector<std::string> names;
+  for (const auto& [name, tensor] : state.tensors) {
+    if (tensor.type == DataType::c128) names.push_back(name);
+  }
+  for (const std::string& name : names) state.tensors.erase(name);
+  return names;
+}
+
 }  // namespace penumbra::weights_tools

@@ -30,4 +30,7 @@ struct FloatConversion {
 // Throws InputError where a finite f64 lies beyond the range of f32.
 FloatConversion convert_floats(const nn::StateDict& state, nn::DataType type);
 
+// Takes out the tensors that no safetensors file may hold, those of C128, and returns their names.
+std::vector<std::string> leave_out_unwritable(nn::StateDict& state);
+
 }  // namespace penumbra::weights_tools

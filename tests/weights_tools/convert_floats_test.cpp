@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "nn/base/error.h"
+#include "tests/support/bytes.h"
 #include "tests/support/test_data.h"
 #include "weights_tools/load_weights.h"
 
@@ -71,6 +74,25 @@ TEST(ConvertFloats, BatchNormsAndRowsThatF16WouldLoseStayF32) {
 }
 
 TEST(ConvertFloats, OnlyF32AndF16AreTargets) { EXPECT_THROW(convert_floats({}, DataType::i8), UsageError); }
+
+TEST(ConvertFloats, ValuesBeyondF32AreAnErrorThatNamesTheTensor) {
+  const std::vector<double> values = {1.0, -1e300};
+  nn::StateDict state;
+  state.tensors["scale"] = {DataType::f64, {2}, std::as_bytes(std::span(values))};
+  EXPECT_CONTAINS(test::message_of<InputError>([&] { convert_floats(state, DataType::f32); }), "\"scale\"");
+  const std::vector<double> infinite = {1.0, std::numeric_limits<double>::infinity()};
+  state.tensors["scale"].bytes = std::as_bytes(std::span(infinite));
+  EXPECT_EQ(convert_floats(state, DataType::f32).converted, 1U);
+}
+
+TEST(ConvertFloats, ComplexOfDoublesIsLeftOutByName) {
+  const std::vector<double> values = {1.0, 2.0};
+  nn::StateDict state;
+  state.tensors["freqs"] = {DataType::c128, {1}, std::as_bytes(std::span(values))};
+  state.tensors["w"] = {DataType::f64, {2}, std::as_bytes(std::span(values))};
+  EXPECT_EQ(leave_out_unwritable(state), std::vector<std::string>{"freqs"});
+  EXPECT_EQ(state.tensors.size(), 1U);
+}
 
 }  // namespace
 }  // namespace penumbra::weights_tools
