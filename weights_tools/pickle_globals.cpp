@@ -1,8 +1,8 @@
 #include "weights_tools/pickle_globals.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
+
+#include "weights_tools/pickle_refusals.h"
 
 namespace penumbra::weights_tools {
 
@@ -112,195 +112,6 @@ constexpr std::array kGlobals = {
     Entry{"types", "MappingProxyType", GlobalKind::record},
 };
 
-// Modules whose functions run programs or code, change files, load further pickles or reach the network; with
-// all that lies inside them, and their twins that begin with "_". builtins is one: what checkpoints need of
-// it stands above.
-constexpr std::array<std::string_view, 111> kRefusedModules = {"builtins",
-                                                               "os",
-                                                               "posix",
-                                                               "nt",
-                                                               "subprocess",
-                                                               "posixsubprocess",
-                                                               "sys",
-                                                               "shutil",
-                                                               "socket",
-                                                               "socketserver",
-                                                               "pty",
-                                                               "tty",
-                                                               "commands",
-                                                               "popen2",
-                                                               "importlib",
-                                                               "imp",
-                                                               "runpy",
-                                                               "code",
-                                                               "codeop",
-                                                               "pdb",
-                                                               "bdb",
-                                                               "timeit",
-                                                               "trace",
-                                                               "cProfile",
-                                                               "profile",
-                                                               "ctypes",
-                                                               "cffi",
-                                                               "webbrowser",
-                                                               "antigravity",
-                                                               "pickle",
-                                                               "cPickle",
-                                                               "dill",
-                                                               "cloudpickle",
-                                                               "joblib",
-                                                               "shelve",
-                                                               "dbm",
-                                                               "sqlite3",
-                                                               "marshal",
-                                                               "types",
-                                                               "io",
-                                                               "signal",
-                                                               "faulthandler",
-                                                               "multiprocessing",
-                                                               "concurrent",
-                                                               "asyncio",
-                                                               "asyncore",
-                                                               "asynchat",
-                                                               "smtpd",
-                                                               "threading",
-                                                               "thread",
-                                                               "http",
-                                                               "httplib",
-                                                               "urllib",
-                                                               "urllib2",
-                                                               "requests",
-                                                               "aiohttp",
-                                                               "httpx",
-                                                               "ftplib",
-                                                               "telnetlib",
-                                                               "smtplib",
-                                                               "imaplib",
-                                                               "poplib",
-                                                               "nntplib",
-                                                               "xmlrpc",
-                                                               "ssl",
-                                                               "pip",
-                                                               "ensurepip",
-                                                               "venv",
-                                                               "setuptools",
-                                                               "distutils",
-                                                               "pkgutil",
-                                                               "pydoc",
-                                                               "doctest",
-                                                               "unittest",
-                                                               "pytest",
-                                                               "nose",
-                                                               "idlelib",
-                                                               "lib2to3",
-                                                               "tempfile",
-                                                               "fileinput",
-                                                               "linecache",
-                                                               "tarfile",
-                                                               "zipfile",
-                                                               "zipimport",
-                                                               "mmap",
-                                                               "site",
-                                                               "sitecustomize",
-                                                               "usercustomize",
-                                                               "compileall",
-                                                               "py_compile",
-                                                               "modulefinder",
-                                                               "pyclbr",
-                                                               "cgitb",
-                                                               "mailcap",
-                                                               "netrc",
-                                                               "pipes",
-                                                               "tkinter",
-                                                               "turtle",
-                                                               "curses",
-                                                               "readline",
-                                                               "osx_support",
-                                                               "aix_support",
-                                                               "pyrepl",
-                                                               "pexpect",
-                                                               "ptyprocess",
-                                                               "paramiko",
-                                                               "fabric",
-                                                               "invoke",
-                                                               "plumbum",
-                                                               "sh",
-                                                               "IPython"};
-
-constexpr std::array<std::string_view, 19> kRefusedInside = {"torch.hub",
-                                                             "torch.package",
-                                                             "torch.utils.cpp_extension",
-                                                             "torch.utils.collect_env",
-                                                             "torch.utils.bottleneck",
-                                                             "torch.utils.model_zoo",
-                                                             "torch.distributed.rpc",
-                                                             "torch.distributed.elastic",
-                                                             "torch._inductor",
-                                                             "torchvision.datasets.utils",
-                                                             "numpy.f2py",
-                                                             "numpy.distutils",
-                                                             "numpy.testing",
-                                                             "numpy.ctypeslib",
-                                                             "logging.config",
-                                                             "ruamel.yaml",
-                                                             "sympy.parsing",
-                                                             "test.support",
-                                                             "test.libregrtest"};
-
-// Modules that are refused as parts of other modules and of names, too: numpy.os, Net.sys. (Others have
-// namesakes there, as torch.trace and scipy.signal.)
-constexpr std::array<std::string_view, 12> kRefusedParts = {
-    "builtins", "os",     "posix",     "nt",     "subprocess", "posixsubprocess",
-    "sys",      "shutil", "importlib", "ctypes", "runpy",      "pty"};
-
-// Functions that do such things, by their names in any module.
-constexpr std::array<std::string_view, 25> kRefusedNames = {"system",
-                                                            "popen",
-                                                            "Popen",
-                                                            "fork_exec",
-                                                            "check_call",
-                                                            "check_output",
-                                                            "getoutput",
-                                                            "getstatusoutput",
-                                                            "__import__",
-                                                            "import_module",
-                                                            "execfile",
-                                                            "_exec_with_source",
-                                                            "_forward_from_src",
-                                                            "load_library",
-                                                            "unsafe_load",
-                                                            "unsafe_load_all",
-                                                            "open",
-                                                            "open_code",
-                                                            "fromfile",
-                                                            "loadtxt",
-                                                            "genfromtxt",
-                                                            "read_pickle",
-                                                            "load_url",
-                                                            "urlopen",
-                                                            "urlretrieve"};
-
-constexpr std::array kRefusedFunctions = {
-    Entry{"torch", "load", GlobalKind::record},
-    Entry{"torch.storage", "_load_from_bytes", GlobalKind::record},
-    Entry{"torch.serialization", "load", GlobalKind::record},
-    Entry{"numpy", "load", GlobalKind::record},
-    Entry{"numpy", "save", GlobalKind::record},
-    Entry{"pandas", "eval", GlobalKind::record},
-    Entry{"pandas.core.computation.eval", "eval", GlobalKind::record},
-    Entry{"pandas", "read_json", GlobalKind::record},
-    Entry{"pandas", "read_csv", GlobalKind::record},
-    Entry{"sympy", "sympify", GlobalKind::record},
-    Entry{"sympy.core.sympify", "sympify", GlobalKind::record},
-    Entry{"yaml", "load", GlobalKind::record},
-    Entry{"yaml", "load_all", GlobalKind::record},
-    Entry{"uuid", "_get_command_stdout", GlobalKind::record},
-    Entry{"platform", "_syscmd_ver", GlobalKind::record},
-    Entry{"platform", "_syscmd_file", GlobalKind::record},
-    Entry{"torch.utils._config_module", "load_config", GlobalKind::record},
-    Entry{"atexit", "register", GlobalKind::record},
-};
-
 // Element types as members of the module torch, and the names of their storages.
 struct Storage {
   std::string_view name;
@@ -326,64 +137,8 @@ constexpr std::array kStorages = {
     Storage{"QInt32Storage", DataType::i32},
 };
 
-bool lies_in(std::string_view module, std::string_view package) {
-  return module.starts_with(package) && (module.size() == package.size() || module[package.size()] == '.');
-}
-
 bool is_torch_script(std::string_view module) {
-  return lies_in(module, "__torch__") || lies_in(module, "torch.jit");
-}
-
-// Exceptions that a training script kept: classes, in whatever module.
-bool is_exception(std::string_view name) {
-  return std::isupper(static_cast<unsigned char>(name.front())) != 0 &&
-         name.find('.') == std::string_view::npos &&
-         (name.ends_with("Error") || name.ends_with("Exception") || name.ends_with("Warning"));
-}
-
-// Without the "_" that private twins begin with: _posixsubprocess, random._os.
-std::string_view without_underscores(std::string_view name) {
-  const std::size_t begin = name.find_first_not_of('_');
-  return begin == std::string_view::npos ? name : name.substr(begin);
-}
-
-template <std::size_t kCount>
-bool is_among(const std::array<std::string_view, kCount>& list, std::string_view name) {
-  return std::find(list.begin(), list.end(), name) != list.end();
-}
-
-// Whether a part of a dotted name, or all of it, is a module that gives everything away.
-bool has_refused_part(std::string_view dotted) {
-  while (true) {
-    const std::size_t dot = dotted.find('.');
-    if (is_among(kRefusedParts, without_underscores(dotted.substr(0, dot)))) return true;
-    if (dot == std::string_view::npos) return false;
-    dotted.remove_prefix(dot + 1);
-  }
-}
-
-// A dotted name reaches into what it names. Inside a class it names a part of it (Net.Head), inside a module
-// whatever that imports: torch.serialization.os.system. Modules have small letters.
-bool leads_into_a_module(std::string_view name) {
-  for (std::size_t dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.')) {
-    const std::string_view part = without_underscores(name.substr(0, dot));
-    if (part.empty() || std::islower(static_cast<unsigned char>(part.front())) != 0) return true;
-    name.remove_prefix(dot + 1);
-  }
-  return false;
-}
-
-bool is_refused(std::string_view module, std::string_view name) {
-  if (name.empty()) return true;
-  if (is_exception(name)) return false;
-  const std::string_view top = without_underscores(module.substr(0, module.find('.')));
-  const std::string_view last = name.substr(name.rfind('.') + 1);
-  return is_among(kRefusedModules, top) || has_refused_part(module) || has_refused_part(name) ||
-         leads_into_a_module(name) || is_among(kRefusedNames, last) ||
-         std::any_of(kRefusedInside.begin(), kRefusedInside.end(),
-                     [&](std::string_view package) { return lies_in(module, package); }) ||
-         std::any_of(kRefusedFunctions.begin(), kRefusedFunctions.end(),
-                     [&](const Entry& entry) { return entry.module == module && entry.name == name; });
+  return module_lies_in(module, "__torch__") || module_lies_in(module, "torch.jit");
 }
 
 }  // namespace
@@ -407,7 +162,7 @@ std::optional<Global> find_global(std::string_view module, std::string_view name
     }
   }
   if (module == "torch._utils" && name.starts_with("_rebuild")) return Global{GlobalKind::unread_tensor};
-  if (is_torch_script(module) || is_refused(module, name)) return std::nullopt;
+  if (is_torch_script(module) || is_refused_global(module, name)) return std::nullopt;
   return Global{GlobalKind::record};
 }
 
