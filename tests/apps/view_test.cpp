@@ -100,6 +100,7 @@ class View : public ::testing::Test {
   }
   void finish() {
     slam.finish();
+    run.finished = true;
     apps::write_results({out.path(), {}}, *dataset, slam, run);
     state_of(port);  // so that somebody looks
     view.finish(out.path());
