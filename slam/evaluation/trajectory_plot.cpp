@@ -36,7 +36,7 @@ std::vector<cv::Point2d> project(const Trajectory& trajectory, PlotPlane plane) 
 }
 
 // The part of the world that is shown and where: metres to final pixels.
-struct View {
+struct PlotView {
   cv::Size picture;
   cv::Rect2d frame;  // the plot's frame, final pixels
   cv::Point2d low;   // world position of the frame's lower left corner, metres
@@ -51,7 +51,7 @@ struct View {
   }
 };
 
-View make_view(const std::vector<cv::Point2d>& estimate, const std::vector<cv::Point2d>& truth) {
+PlotView make_view(const std::vector<cv::Point2d>& estimate, const std::vector<cv::Point2d>& truth) {
   cv::Point2d low = estimate.front(), high = low;
   for (const std::vector<cv::Point2d>* points : {&estimate, &truth}) {
     for (const cv::Point2d& point : *points) {
@@ -70,7 +70,7 @@ View make_view(const std::vector<cv::Point2d>& estimate, const std::vector<cv::P
     return std::clamp(static_cast<int>(std::lround(extent / span * (kLongestSide - margins))) + margins,
                       kShortestSide, kLongestSide);
   };
-  View view;
+  PlotView view;
   view.picture = {side(width, kMarginLeft + kMarginRight), side(height, kMarginTop + kMarginBottom)};
   view.frame = cv::Rect2d(kMarginLeft, kMarginTop, view.picture.width - kMarginLeft - kMarginRight,
                           view.picture.height - kMarginTop - kMarginBottom);
@@ -83,7 +83,7 @@ View make_view(const std::vector<cv::Point2d>& estimate, const std::vector<cv::P
   return view;
 }
 
-void draw_grid(cv::Mat& canvas, const View& view, PlotPlane plane) {
+void draw_grid(cv::Mat& canvas, const PlotView& view, PlotPlane plane) {
   const cv::Rect2d& frame = view.frame;
   const double step = round_step(kLabelDistance / view.pixels_per_metre);
   const auto lines = [&](double low, double high, const auto& draw) {
@@ -109,7 +109,7 @@ void draw_grid(cv::Mat& canvas, const View& view, PlotPlane plane) {
             Anchor::right, kInk);
 }
 
-void draw_path(cv::Mat& canvas, const View& view, const std::vector<cv::Point2d>& points,
+void draw_path(cv::Mat& canvas, const PlotView& view, const std::vector<cv::Point2d>& points,
                const cv::Scalar& colour, int thickness) {
   constexpr int kFractionBits = 4;
   std::vector<cv::Point> polyline;
@@ -136,7 +136,7 @@ void draw_marker(cv::Mat& canvas, cv::Point2d position, bool is_start) {
 }
 
 // One row of samples and names that ends at the frame's right edge, above it.
-void draw_legend(cv::Mat& canvas, const View& view, const std::string& estimate_name, bool has_truth) {
+void draw_legend(cv::Mat& canvas, const PlotView& view, const std::string& estimate_name, bool has_truth) {
   constexpr double kHeight = 14, kSample = 44, kSpace = 10, kGap = 30;
   const double row = view.frame.y - 18;
   double x = view.frame.br().x;
@@ -166,7 +166,7 @@ cv::Mat draw_trajectories(const Trajectory& estimate, const Trajectory& ground_t
   if (estimate.empty()) throw Error("cannot draw a trajectory without a pose");
   const std::vector<cv::Point2d> path = project(estimate, options.plane);
   const std::vector<cv::Point2d> truth = project(ground_truth, options.plane);
-  const View view = make_view(path, truth);
+  const PlotView view = make_view(path, truth);
   cv::Mat canvas(view.picture * kSupersampling, CV_8UC3, kPaper);
 
   draw_grid(canvas, view, options.plane);
