@@ -10,7 +10,6 @@
 #include <span>
 
 #include "nn/base/error.h"
-#include "nn/base/natural_order.h"
 #include "nn/io/exif.h"
 #include "nn/io/image_file.h"
 #include "slam/datasets/folder_listing.h"
@@ -28,9 +27,6 @@ nn::CocoImageId id_from_name(const std::filesystem::path& path) {
   return stem;
 }
 
-// macOS's and Windows' own files, which wildcards find as well.
-bool is_left_by_a_desktop(const std::filesystem::path& path) { return slam::is_debris(path); }
-
 // Images, also of formats that are not read: each of those is then named as such, as it is by itself.
 bool has_image_ending(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
@@ -43,16 +39,13 @@ bool has_image_ending(const std::filesystem::path& path) {
 }
 
 std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const bool is_hidden = entry.path().filename().string().starts_with(".");
-    if (has_image_ending(entry.path()) && !is_hidden) files.push_back(entry.path());
-  }
+  std::vector<std::filesystem::path> files = slam::list_folder(folder);
+  std::erase_if(files, [](const std::filesystem::path& file) {
+    const bool is_hidden = file.filename().string().starts_with(".");
+    return is_hidden || !has_image_ending(file);
+  });
   if (files.empty())
     throw InputError(folder.string(), "a folder with PNG, JPEG, PGM or BMP images", "none in it");
-  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
-    return natural_less(a.filename().string(), b.filename().string());
-  });
   return files;
 }
 
@@ -78,7 +71,7 @@ std::vector<ListedImage> list_files(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     if (std::filesystem::is_directory(path)) {
       for (const std::filesystem::path& file : images_in(path)) add(file);
-    } else if (!is_left_by_a_desktop(path)) {
+    } else if (!slam::is_debris(path)) {  // which wildcards find as well
       add(path);
     }
   }

@@ -116,19 +116,15 @@ void write_data(Writer& writer, const ResultPlaces& places, const slam::Slam& sl
 }  // namespace
 
 void prepare_places(const ResultPlaces& places) {
+  // The map's place first: where it is none, no folder is made.
+  const std::filesystem::path map_folder = places.save_map.parent_path();
   std::error_code error;
-  if (!places.save_map.empty()) {
-    if (std::filesystem::is_directory(places.save_map, error))
-      throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
-    const std::filesystem::path folder = places.save_map.parent_path();
-    if (!folder.empty() && folder != places.out && !std::filesystem::is_directory(folder, error))
-      throw InputError(folder.string(), "a folder for the map", "none");
-  }
+  if (!places.save_map.empty() && std::filesystem::is_directory(places.save_map, error))
+    throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
+  if (!map_folder.empty() && map_folder != places.out && !std::filesystem::is_directory(map_folder, error))
+    throw InputError(map_folder.string(), "a folder for the map", "none");
   nn::make_writable_folder(places.out);
-  if (!places.save_map.empty()) {
-    const std::filesystem::path folder = places.save_map.parent_path();
-    nn::require_writable_folder(folder.empty() ? "." : folder);
-  }
+  if (!places.save_map.empty()) nn::require_writable_folder(map_folder.empty() ? "." : map_folder);
 }
 
 void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset, const slam::Slam& slam,

@@ -152,9 +152,12 @@ class FrameLoop {
       }
       tell();
       progress.update(static_cast<int>(slam_.results().size()));
-      if (checkpoints.is_due()) checkpoints.write(places, slam_, run_);
+      if (checkpoints.is_due()) {
+        sum_up();
+        checkpoints.write(places, slam_, run_);
+      }
     }
-    run_.why_lost = check_.why_lost();
+    sum_up();
   }
 
  private:
@@ -192,7 +195,12 @@ class FrameLoop {
       spdlog::info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame, loop.earlier_frame,
                    loop.inliers, loop.correction_metres);
     }
+  }
+
+  // What takes a look at all frames so far.
+  void sum_up() {
     run_.median_depth = check_.median_depth();
+    run_.why_lost = check_.why_lost();
   }
 
   const SlamOptions& options_;

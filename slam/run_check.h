@@ -46,6 +46,7 @@ class RunCheck {
 
   // What there is to say since the last call.
   std::vector<std::string> take_warnings();
+  // The two that follow look at all frames so far: they are for the end, and for now and then.
   // One sentence on the frames that were not located: how many, from which on, and what they have in common.
   // Empty where all were.
   std::string why_lost() const;
