@@ -11,8 +11,8 @@
 #include <exception>
 #include <string>
 
-#include "apps/command_line.h"
-#include "apps/commands.h"
+#include "apps/common/command_line.h"
+#include "apps/common/commands.h"
 #include "nn/base/error.h"
 
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "nn/base/error.h"
-#include "nn/io/coco_rle.h"
-#include "nn/io/file.h"
+#include "nn/base/file.h"
+#include "nn/evaluation/coco_rle.h"
 
 namespace penumbra::nn {
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "nn/base/error.h"
+#include "nn/evaluation/coco_rle.h"
 #include "nn/evaluation/polygon_raster.h"
-#include "nn/io/coco_rle.h"
 
 namespace penumbra::nn {
 

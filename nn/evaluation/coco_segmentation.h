@@ -1,15 +1,15 @@
 // The "segmentation" of a COCO annotation or result, in all three forms that the files know:
 //
 //   [[x0, y0, x1, y1, ...], ...]             polygons, the parts of one object
-//   {"size": [height, width], "counts": [...]}   run lengths, see nn/io/coco_rle.h
+//   {"size": [height, width], "counts": [...]}   run lengths, see nn/evaluation/coco_rle.h
 //   {"size": [height, width], "counts": "..."}   the same as text
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "nn/base/json_entries.h"
 #include "nn/evaluation/run_mask.h"
-#include "nn/io/json_entries.h"
 
 namespace penumbra::nn {
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
+#include "nn/base/file_in_the_making.h"
 #include "nn/base/text.h"
-#include "nn/io/file_in_the_making.h"
 #include "nn/io/safetensors.h"
 
 namespace penumbra::nn {

@@ -1,6 +1,6 @@
 #include "nn/layers/activations.h"
 
-#include "nn/layers/exponential.h"
+#include "nn/simd/exponential.h"
 #include "nn/simd/kernel_table.h"
 
 namespace penumbra::nn {

@@ -20,7 +20,7 @@
 #include <cstddef>
 #include <span>
 
-#include "nn/layers/activation_kind.h"
+#include "nn/simd/activation_kind.h"
 #include "nn/tensor/feature_map.h"
 
 namespace penumbra::nn {

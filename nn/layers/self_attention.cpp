@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "nn/base/error.h"
-#include "nn/layers/exponential.h"
+#include "nn/simd/exponential.h"
 
 namespace penumbra::nn {
 

@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "nn/base/error.h"
+#include "nn/base/file.h"
 #include "nn/base/text.h"
-#include "nn/io/file.h"
 #include "nn/models/coco_categories.h"
 
 namespace penumbra::nn {

@@ -97,7 +97,7 @@ StateDict random_state(const Shapes& shapes, const std::function<double(const st
     }
     auto values = std::make_shared<std::vector<float>>(static_cast<std::size_t>(elements(shape)));
     for (std::size_t i = 0; i < values->size(); ++i) {
-      (*values)[i] = offset + scale * counter_uniform(stream, static_cast<std::uint32_t>(i));
+      (*values)[i] = offset + scale * counter_uniform_f32(stream, static_cast<std::uint32_t>(i));
     }
     state.tensors[name] = {DataType::f32, shape, std::as_bytes(std::span(*values))};
     state.owners.push_back(std::move(values));

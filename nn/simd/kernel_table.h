@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "nn/layers/activation_kind.h"
+#include "nn/simd/activation_kind.h"
 #include "nn/simd/isa.h"
 
 namespace penumbra::nn {

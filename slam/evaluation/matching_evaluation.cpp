@@ -4,12 +4,12 @@
 #include <cmath>
 #include <opencv2/features2d.hpp>
 
-#include "slam/base/stopwatch.h"
-#include "slam/features/depth_measurement.h"
-#include "slam/features/descriptor_matcher.h"
-#include "slam/features/grey_image.h"
-#include "slam/features/orb_extractor.h"
-#include "slam/features/stereo_matcher.h"
+#include "nn/base/stopwatch.h"
+#include "slam/frontend/features/depth_measurement.h"
+#include "slam/frontend/features/descriptor_matcher.h"
+#include "slam/frontend/features/grey_image.h"
+#include "slam/frontend/features/orb_extractor.h"
+#include "slam/frontend/features/stereo_matcher.h"
 #include "slam/geometry/triangulation.h"
 
 namespace penumbra::slam {

@@ -9,9 +9,9 @@
 // lines, and x2 is compared with K R K^-1 x1 instead.
 //
 // The compensated filter is told what the tracker would know, not the true motion: that the camera goes on as
-// it did between the two images before (slam/tracking/motion_model.h), and the features' stereo depth. The
-// first two images have no motion before them; there, and where a feature has no depth, it has no more to go
-// by than the adaptive one.
+// it did between the two images before (slam/frontend/locating/motion_model.h), and the features' stereo
+// depth. The first two images have no motion before them; there, and where a feature has no depth, it has no
+// more to go by than the adaptive one.
 //
 // SIFT stands in for the paper's SURF, which is patented in part and not in Debian's OpenCV: both are
 // blobs of a scale space with a descriptor of gradients.
@@ -23,11 +23,11 @@
 #include <string>
 #include <vector>
 
-#include "slam/datasets/stereo_dataset.h"
-#include "slam/features/mismatch_filter.h"
+#include "slam/frontend/features/mismatch_filter.h"
+#include "slam/frontend/locating/motion_model.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
-#include "slam/tracking/motion_model.h"
+#include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::slam {
 

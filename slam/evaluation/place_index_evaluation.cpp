@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "nn/base/error.h"
-#include "slam/base/quantile.h"
-#include "slam/base/stopwatch.h"
+#include "nn/base/quantile.h"
+#include "nn/base/stopwatch.h"
 
 namespace penumbra::slam {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "slam/evaluation/loop_evaluation.h"
-#include "slam/loop/place_index.h"
 #include "slam/map/map.h"
+#include "slam/place/place_index.h"
 
 namespace penumbra::slam {
 

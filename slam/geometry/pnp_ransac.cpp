@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "slam/base/counter_random.h"
+#include "nn/base/counter_random.h"
 #include "slam/geometry/p3p.h"
 
 namespace penumbra::slam {

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "nn/base/error.h"
+#include "nn/base/file.h"
+#include "nn/base/number_file.h"
 #include "nn/base/text.h"
-#include "nn/io/file.h"
-#include "nn/io/number_file.h"
 #include "slam/geometry/pose_columns.h"
 
 namespace penumbra::slam {

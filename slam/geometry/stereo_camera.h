@@ -6,7 +6,7 @@
 // d0, the disparity of a point at infinity, is 0 in a pair that is rectified exactly. A right camera that is
 // turned about its y axis by 0.01 degrees from where the calibration puts it makes 0.1 pixels of it at fx =
 // 700, and with it a depth of 30 m wrong by 0.8 %. Bundle adjustment finds it
-// (slam/mapping/bundle_equations.h).
+// (slam/backend/bundle_equations.h).
 //
 // Pixel (0, 0) is the centre of the upper left pixel. KITTI: P0 = K [I | 0], P1 = K [I | (-b, 0, 0)].
 #pragma once

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "nn/base/error.h"
-#include "nn/io/number_file.h"
+#include "nn/base/number_file.h"
 
 namespace penumbra::slam {
 

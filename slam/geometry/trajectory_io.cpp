@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "nn/base/error.h"
-#include "nn/io/file.h"
+#include "nn/base/file.h"
 #include "slam/geometry/pose_table.h"
 #include "slam/geometry/time_unit.h"
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "slam/features/frame_features.h"
-#include "slam/features/measurement.h"
-#include "slam/features/patch.h"
+#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/measurement.h"
+#include "slam/frontend/features/patch.h"
 #include "slam/geometry/se3.h"
 #include "slam/map/map_point.h"
 #include "slam/map/seen_object.h"

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "slam/features/feature.h"
-#include "slam/features/patch.h"
+#include "slam/frontend/features/feature.h"
+#include "slam/frontend/features/patch.h"
 
 namespace penumbra::slam {
 

@@ -4,9 +4,9 @@
 #include <cstdlib>
 
 #include "nn/base/byte_stream.h"
-#include "nn/io/crc32.h"
-#include "nn/io/file.h"
-#include "nn/io/image_container.h"
+#include "nn/base/crc32.h"
+#include "nn/base/file.h"
+#include "nn/image/image_container.h"
 #include "slam/map/map_file.h"
 
 namespace penumbra::slam {

@@ -2,8 +2,8 @@
 #include <shared_mutex>
 
 #include "nn/base/byte_stream.h"
-#include "nn/io/crc32.h"
-#include "nn/io/file.h"
+#include "nn/base/crc32.h"
+#include "nn/base/file.h"
 #include "slam/map/map_file.h"
 
 namespace penumbra::slam {

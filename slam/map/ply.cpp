@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "nn/base/error.h"
-#include "nn/io/file.h"
+#include "nn/base/file.h"
 #include "slam/map/point_uncertainty.h"
 
 namespace penumbra::slam {

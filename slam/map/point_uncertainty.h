@@ -4,10 +4,10 @@
 //
 //   I = sum_k |J_pi(T_k X) R_k r|^2 / sigma_k^2,      sigma_distance = 1 / sqrt(I)
 //
-// with J_pi of slam/geometry/reprojection.h and sigma_k a corner's (slam/features/measurement.h): what
-// aligned patches measure better is less than what a calibration is usually wrong by. For one stereo pair
-// that looks straight at the point this is the stereo formula sigma_Z = Z^2 sigma_d / (fx b). Cost: 20 ns a
-// measurement.
+// with J_pi of slam/geometry/reprojection.h and sigma_k a corner's (slam/frontend/features/measurement.h):
+// what aligned patches measure better is less than what a calibration is usually wrong by. For one stereo
+// pair that looks straight at the point this is the stereo formula sigma_Z = Z^2 sigma_d / (fx b). Cost: 20
+// ns a measurement.
 //
 // A point whose distance has a standard deviation of more than half the distance is mostly uncertainty:
 // "somewhere beyond", such as a cloud at half a pixel of disparity, which the map places kilometres away. It

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "slam/features/frame_matcher.h"
+#include "slam/frontend/features/frame_matcher.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/map/map_point.h"

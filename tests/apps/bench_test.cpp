@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "nn/io/image_file.h"
+#include "nn/image/image_file.h"
 #include "nn/io/safetensors.h"
 #include "nn/simd/low_precision.h"
 #include "tests/support/random_models.h"

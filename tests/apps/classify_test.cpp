@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "nn/io/image_file.h"
+#include "nn/image/image_file.h"
 #include "nn/io/safetensors.h"
 #include "tests/support/random_models.h"
 #include "tests/support/random_network.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "nn/io/file.h"
+#include "nn/base/file.h"
 #include "slam/geometry/trajectory_io.h"
 #include "tests/support/test_data.h"
 

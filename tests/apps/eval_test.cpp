@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "nn/io/file.h"
-#include "nn/io/image_file.h"
+#include "nn/base/file.h"
+#include "nn/image/image_file.h"
 #include "slam/geometry/trajectory_io.h"
 #include "tests/support/test_data.h"
 #include "tests/support/trajectories.h"

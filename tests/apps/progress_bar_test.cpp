@@ -1,4 +1,4 @@
-#include "apps/progress_bar.h"
+#include "apps/common/progress_bar.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 #include <set>
 
-#include "nn/io/coco_rle.h"
-#include "nn/io/image_file.h"
+#include "nn/evaluation/coco_rle.h"
+#include "nn/image/image_file.h"
 #include "nn/io/safetensors.h"
 #include "tests/support/bytes.h"
 #include "tests/support/random_network.h"

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
-#include "slam/datasets/open_dataset.h"
+#include "slam/sources/open_dataset.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::test {

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <thread>
 
-#include "apps/live_view.h"
-#include "apps/slam_results.h"
+#include "apps/slam/slam_results.h"
+#include "apps/view/live_view.h"
 #include "nn/base/error.h"
-#include "slam/datasets/open_dataset.h"
+#include "slam/sources/open_dataset.h"
 #include "tests/support/browser.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_data.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "nn/io/crc32.h"
+#include "nn/base/crc32.h"
 
 namespace penumbra::fuzz {
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "nn/io/coco_rle.h"
+#include "nn/evaluation/coco_rle.h"
 #include "nn/io/safetensors.h"
 #include "nn/layers/anchor_generator.h"
 #include "nn/layers/batch_norm.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slam/base/counter_random.h"
+#include "nn/base/counter_random.h"
 
 namespace penumbra::test {
 

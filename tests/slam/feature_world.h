@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "slam/features/frame_features.h"
+#include "slam/frontend/features/frame_features.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/map/map.h"

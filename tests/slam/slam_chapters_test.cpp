@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "slam/features/image_pyramid.h"
-#include "slam/features/mismatch_filter.h"
-#include "slam/features/orb_extractor.h"
+#include "slam/frontend/features/image_pyramid.h"
+#include "slam/frontend/features/mismatch_filter.h"
+#include "slam/frontend/features/orb_extractor.h"
 #include "slam/geometry/reprojection.h"
 #include "slam/geometry/stereo_camera.h"
 

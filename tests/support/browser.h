@@ -37,7 +37,7 @@ inline std::string dump_dom(const std::string& browser, const std::string& url, 
       browser, milliseconds, url));
 }
 
-// Whether the element says that it shows something (apps/report/page.js).
+// Whether the element says that it shows something (apps/view/report/page.js).
 inline bool is_drawn(const std::string& dom, const std::string& id) {
   const std::size_t at = dom.find("id=\"" + id + "\"");
   if (at == dom.npos) return false;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "nn/io/crc32.h"
+#include "nn/base/crc32.h"
 
 namespace penumbra::test {
 

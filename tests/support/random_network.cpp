@@ -12,8 +12,8 @@ cv::Mat random_image(std::uint32_t seed, int width, int height) {
       for (int c = 0; c < 3; ++c) {
         const auto coarse = static_cast<std::uint32_t>((y / 8 * blocks + x / 8) * 3 + c);
         const auto fine = static_cast<std::uint32_t>((y * width + x) * 3 + c);
-        const float value = 127.5F + 90.0F * counter_uniform(seed, coarse);
-        image(y, x)[c] = static_cast<std::uint8_t>(value + 30.0F * counter_uniform(seed + 1000, fine));
+        const float value = 127.5F + 90.0F * counter_uniform_f32(seed, coarse);
+        image(y, x)[c] = static_cast<std::uint8_t>(value + 30.0F * counter_uniform_f32(seed + 1000, fine));
       }
     }
   }

@@ -16,7 +16,7 @@ namespace penumbra::test {
 inline nn::Tensor random_tensor(const nn::Shape& shape, std::uint32_t seed) {
   nn::Tensor tensor(shape);
   for (std::size_t i = 0; i < tensor.values.size(); ++i) {
-    tensor.values[i] = counter_uniform(seed, static_cast<std::uint32_t>(i));
+    tensor.values[i] = counter_uniform_f32(seed, static_cast<std::uint32_t>(i));
   }
   return tensor;
 }

@@ -7,10 +7,10 @@
 #include <string>
 #include <thread>
 
-#include "slam/datasets/synthetic/street_sequence.h"
 #include "slam/map/map_file.h"
 #include "slam/map/ply.h"
-#include "slam/slam.h"
+#include "slam/pipeline/slam.h"
+#include "slam/world/street_sequence.h"
 #include "tests/slam/feature_world.h"
 
 namespace penumbra::slam {

@@ -1,6 +1,6 @@
 // Activation functions over a run of values: plain loops that the compiler turns into vector instructions.
 
-#include "nn/layers/exponential.h"
+#include "nn/simd/exponential.h"
 #include "nn/simd/kernels/kernels.h"
 
 namespace penumbra::nn::PENUMBRA_ISA {

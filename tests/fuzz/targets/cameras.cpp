@@ -1,10 +1,10 @@
 // Readers of what comes with a camera's images: calibrations in YAML, and lists of images.
 #include <cmath>
 
-#include "slam/datasets/camera_file.h"
-#include "slam/datasets/euroc_files.h"
-#include "slam/datasets/image_list.h"
-#include "slam/datasets/yaml_file.h"
+#include "slam/sources/camera_file.h"
+#include "slam/sources/euroc_files.h"
+#include "slam/sources/image_list.h"
+#include "slam/sources/yaml_file.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
 

@@ -1,9 +1,9 @@
 // Readers of images: the walk through a file's chunks or markers, the decoder behind it, and COCO's masks.
 #include <numeric>
 
-#include "nn/io/coco_rle.h"
-#include "nn/io/image_container.h"
-#include "nn/io/image_file.h"
+#include "nn/evaluation/coco_rle.h"
+#include "nn/image/image_container.h"
+#include "nn/image/image_file.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/repair.h"
 #include "tests/fuzz/target.h"

@@ -3,7 +3,7 @@
 
 #include "nn/base/text.h"
 #include "nn/models/class_names.h"
-#include "slam/datasets/frame_range.h"
+#include "slam/sources/frame_range.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
 

@@ -1,9 +1,9 @@
 // Readers of numbers in text: records, calibration, trajectories.
 #include <cmath>
 
-#include "nn/io/number_file.h"
-#include "slam/datasets/kitti_calibration.h"
+#include "nn/base/number_file.h"
 #include "slam/geometry/trajectory_io.h"
+#include "slam/sources/kitti_calibration.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
-#include "nn/io/coco_rle.h"
+#include "nn/evaluation/coco_rle.h"
 #include "tests/support/coco_files.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"

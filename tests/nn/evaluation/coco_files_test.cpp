@@ -6,7 +6,7 @@
 #include <random>
 
 #include "nn/base/error.h"
-#include "nn/io/coco_rle.h"
+#include "nn/evaluation/coco_rle.h"
 #include "tests/support/bytes.h"
 #include "tests/support/expect_error.h"
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "nn/layers/conv2d.h"
-#include "nn/layers/exponential.h"
 #include "nn/layers/reference/reference.h"
+#include "nn/simd/exponential.h"
 #include "tests/support/tensors.h"
 
 namespace penumbra::nn {

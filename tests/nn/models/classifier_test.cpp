@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
-#include "nn/io/image_file.h"
+#include "nn/image/image_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/product_quantised.h"
 #include "tests/support/random_models.h"

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
-#include "nn/io/coco_rle.h"
-#include "nn/io/image_file.h"
+#include "nn/evaluation/coco_rle.h"
+#include "nn/image/image_file.h"
 #include "tests/support/random_network.h"
 #include "tests/support/repeatability.h"
 #include "tests/support/runs.h"

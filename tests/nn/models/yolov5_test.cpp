@@ -8,8 +8,8 @@
 
 #include "nn/base/error.h"
 #include "nn/evaluation/coco_evaluation.h"
-#include "nn/io/coco_rle.h"
-#include "nn/io/image_file.h"
+#include "nn/evaluation/coco_rle.h"
+#include "nn/image/image_file.h"
 #include "nn/models/coco_categories.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_models.h"

@@ -4,10 +4,10 @@
 
 #include "slam/geometry/p3p.h"
 #include "slam/geometry/pnp_ransac.h"
+#include "slam/geometry/pose_optimizer.h"
 #include "slam/geometry/reprojection.h"
 #include "slam/geometry/triangulation.h"
-#include "slam/tracking/pose_optimizer.h"
-#include "tests/slam/synthetic.h"
+#include "tests/slam/world/synthetic.h"
 
 namespace penumbra::slam {
 namespace {

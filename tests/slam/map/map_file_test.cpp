@@ -4,11 +4,11 @@
 
 #include <cmath>
 
+#include "nn/base/counter_random.h"
+#include "nn/base/crc32.h"
 #include "nn/base/error.h"
-#include "nn/io/crc32.h"
-#include "nn/io/file.h"
-#include "slam/base/counter_random.h"
-#include "tests/slam/synthetic.h"
+#include "nn/base/file.h"
+#include "tests/slam/world/synthetic.h"
 #include "tests/support/bytes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"

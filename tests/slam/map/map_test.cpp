@@ -4,11 +4,11 @@
 
 #include <fstream>
 
+#include "nn/base/counter_random.h"
 #include "nn/base/error.h"
-#include "slam/base/counter_random.h"
 #include "slam/map/ply.h"
 #include "slam/map/projection.h"
-#include "tests/slam/synthetic.h"
+#include "tests/slam/world/synthetic.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::slam {

@@ -6,7 +6,7 @@
 
 #include "slam/map/map.h"
 #include "slam/map/ply.h"
-#include "tests/slam/synthetic.h"
+#include "tests/slam/world/synthetic.h"
 
 namespace penumbra::slam {
 namespace {

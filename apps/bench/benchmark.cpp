@@ -1,0 +1,72 @@
+#include "apps/bench/benchmark.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "apps/common/compute_options.h"
+#include "nn/simd/isa.h"
+#include "nn/simd/kernel_table.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+void add_benchmark_options(CLI::App* command, BenchmarkOptions& options) {
+  command->add_option("--repeats", options.repeats, "timed runs, of which the median counts")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10000));
+  command->add_option("--warm-up", options.warm_up, "runs before them")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 10000));
+  command->add_flag("--json", options.json, "print JSON");
+  add_threads_option(command);
+  add_isa_option(command);
+}
+
+Timing time_repeats(const BenchmarkOptions& options, const std::function<void()>& work) {
+  for (int i = 0; i < options.warm_up; ++i) work();
+  std::vector<double> seconds(static_cast<std::size_t>(options.repeats));
+  for (double& s : seconds) s = seconds_of(work);
+  std::sort(seconds.begin(), seconds.end());
+  return {seconds[seconds.size() / 2], seconds.front(), seconds.back()};
+}
+
+double peak_gflops() {
+  constexpr long kIterations = 2'000'000;
+  constexpr int kRuns = 5;  // the best counts: the peak is what the processor can do
+  const nn::KernelTable& kernels = nn::kernels();
+  double best = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    double operations = 0.0;
+    const double seconds = seconds_of([&] {
+#pragma omp parallel reduction(+ : operations)
+      operations += kernels.peak_loop(kIterations);
+    });
+    best = std::max(best, operations / seconds * 1e-9);
+  }
+  return best;
+}
+
+nlohmann::ordered_json machine_json(double peak) {
+  return {
+      {"isa", nn::to_string(nn::current_isa())}, {"threads", omp_get_max_threads()}, {"peak_gflops", peak}};
+}
+
+void print_machine(double peak) {
+  fmt::print("{}, {} thread{}, peak {:.1f} GFLOP/s\n", nn::to_string(nn::current_isa()),
+             omp_get_max_threads(), omp_get_max_threads() == 1 ? "" : "s", peak);
+}
+
+}  // namespace penumbra::apps

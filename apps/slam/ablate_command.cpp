@@ -1,0 +1,167 @@
+// penumbra ablate: what the semantics are worth, measured on synthetic drives.
+#include <fmt/core.h>
+#include <omp.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "apps/common/commands.h"
+#include "apps/common/image_size.h"
+#include "apps/common/progress_bar.h"
+#include "apps/slam/ablation.h"
+#include "apps/slam/segmenter.h"
+#include "nn/base/error.h"
+#include "nn/base/file.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+struct AblateOptions {
+  std::filesystem::path out;
+  std::vector<std::string> presets = {"easy", "street", "crowded"};
+  std::vector<std::string> masks = {"none", "movers", "truth"};
+  std::vector<std::string> filters = {"adaptive"};
+  std::vector<std::string> weights;  // NAME=FILE or FILE
+  std::vector<int> seeds = {1, 2, 3};
+  int frames = 470;
+  std::string size = "620x188";
+  bool json = false;
+};
+
+struct NamedWeights {
+  std::string name, file;
+};
+
+std::vector<NamedWeights> named_weights(const AblateOptions& options) {
+  std::vector<NamedWeights> weights;
+  for (const std::string& text : options.weights) {
+    const std::size_t equals = text.find('=');
+    if (equals == text.npos) {
+      weights.push_back({std::filesystem::path(text).stem().string(), text});
+    } else {
+      weights.push_back({text.substr(0, equals), text.substr(equals + 1)});
+    }
+  }
+  return weights;
+}
+
+cv::Size drive_size(const std::string& text) {
+  const std::optional<cv::Size> size = parse_image_size(text);
+  if (size && size->width >= 64 && size->height >= 48) return *size;
+  throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
+}
+
+std::vector<AblationCell> list_cells(const AblateOptions& options, const std::vector<NamedWeights>& weights) {
+  const cv::Size size = drive_size(options.size);
+  std::vector<AblationCell> cells;
+  for (const std::string& preset : options.presets) {
+    for (const int seed : options.seeds) {
+      for (const std::string& masks : options.masks) {
+        for (const std::string& filter : options.filters) {
+          AblationCell cell{preset, seed, options.frames, size, parse_mask_source(masks), "", filter};
+          const bool by_network = cell.masks == MaskSource::classes || cell.masks == MaskSource::geometry;
+          if (!by_network) {
+            cells.push_back(cell);
+            continue;
+          }
+          if (weights.empty()) throw UsageError(fmt::format("--masks {}: needs --weights", masks));
+          for (const NamedWeights& network : weights) {
+            cell.weights = network.name;
+            cells.push_back(cell);
+          }
+        }
+      }
+    }
+  }
+  return cells;
+}
+
+slam::Segmenter segmenter_of(const AblationCell& cell, const std::filesystem::path& drive,
+                             const std::vector<NamedWeights>& weights) {
+  if (cell.masks == MaskSource::truth) return make_mask_reader(drive / "sequences/00/instances");
+  for (const NamedWeights& network : weights) {
+    if (network.name == cell.weights)
+      return make_segmenter(load_network(network.file, "", slam_network_config()));
+  }
+  return {};
+}
+
+// The cell's result, from its file where it has one.
+nlohmann::json result_of(const AblationCell& cell, const AblateOptions& options,
+                         const std::vector<NamedWeights>& weights) {
+  const std::filesystem::path file = options.out / "cells" / (cell.name() + ".json");
+  if (std::filesystem::exists(file)) {
+    nlohmann::json known = nlohmann::json::parse(nn::read_file(file, "a cell"), nullptr, false);
+    if (known.is_object()) return known;
+  }
+  const std::filesystem::path drive = render_drive(cell, options.out / "drives");
+  nlohmann::json result = run_cell(cell, drive, segmenter_of(cell, drive, weights));
+  result["preset"] = cell.preset;
+  result["seed"] = cell.seed;
+  result["frames"] = cell.frames;
+  result["masks"] = name_of(cell.masks);
+  result["weights"] = cell.weights;
+  result["filter"] = cell.filter;
+  nn::write_file(file, result.dump(2) + "\n");
+  return result;
+}
+
+void run_ablate(const AblateOptions& options) {
+  const std::vector<NamedWeights> weights = named_weights(options);
+  const std::vector<AblationCell> cells = list_cells(options, weights);
+  for (const char* folder : {"cells", "drives"}) {
+    std::error_code error;
+    std::filesystem::create_directories(options.out / folder, error);
+    if (error)
+      throw Error(fmt::format("{}: cannot be made: {}", (options.out / folder).string(), error.message()));
+  }
+  cv::setNumThreads(1);
+  nlohmann::json results = nlohmann::json::array();
+  ProgressBar progress("Ablation", static_cast<int>(cells.size()), "cells");
+  for (const AblationCell& cell : cells) {
+    results.push_back(result_of(cell, options, weights));
+    spdlog::info("{}: ATE {:.3f} m", cell.name(), results.back()["ate_m"].get<double>());
+    progress.update(static_cast<int>(results.size()));
+  }
+  const nlohmann::json rows = summarise_cells(results);
+  const std::string table = format_table(rows);
+  nn::write_file(options.out / "ablation.md", table);
+  nn::write_file(options.out / "ablation.json", rows.dump(2) + "\n");
+  fmt::print("{}", options.json ? rows.dump(2) + "\n" : table);
+}
+
+}  // namespace
+
+void add_ablate_command(CLI::App& app) {
+  const auto options = std::make_shared<AblateOptions>();
+  CLI::App* command =
+      app.add_subcommand("ablate", "Measure what masks and filters are worth, on synthetic drives");
+  command->footer(R"(Examples:
+  penumbra ablate --out out/ablation
+  penumbra ablate --presets lorry,lorry-close --frames 200 --masks none,movers,truth --out out/lorry
+  penumbra ablate --masks classes,geometry --weights mam=mam.safetensors,fpn=fpn.safetensors --out out/networks
+
+Cells that are in the --out folder already are not run again. Writes ablation.md and ablation.json.)");
+  command->add_option("--out", options->out, "folder for drives and results")->required()->type_name("DIR");
+  const auto list = [&](const char* name, auto& value, const char* help) {
+    command->add_option(name, value, help)->delimiter(',')->capture_default_str();
+  };
+  list("--presets", options->presets, "of the street: easy, street, crowded, lorry, lorry-close");
+  list("--masks", options->masks,
+       "none; movers (no masks, geometry alone); classes, geometry (by the networks); truth (exact masks)");
+  list("--filters", options->filters, "mismatch filters: off, paper, adaptive, compensated");
+  list("--weights", options->weights, "networks, NAME=FILE or FILE");
+  list("--seeds", options->seeds, "of the street");
+  command->add_option("--frames", options->frames, "of each drive; 401 are once round the block")
+      ->check(CLI::Range(2, 20000))
+      ->capture_default_str();
+  command->add_option("--size", options->size, "of the images, pixels")
+      ->capture_default_str()
+      ->type_name("WxH");
+  command->add_flag("--json", options->json, "the table as JSON on stdout");
+  command->callback([options] { run_ablate(*options); });
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,197 @@
+#include "apps/slam/ablation.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include "nn/base/error.h"
+#include "nn/base/quantile.h"
+#include "slam/evaluation/alignment.h"
+#include "slam/evaluation/ape.h"
+#include "slam/evaluation/evaluation.h"
+#include "slam/evaluation/loop_evaluation.h"
+#include "slam/pipeline/slam.h"
+#include "slam/sources/open_dataset.h"
+#include "slam/sources/prefetcher.h"
+#include "slam/world/street_sequence.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+constexpr std::pair<const char*, MaskSource> kSources[] = {{"none", MaskSource::none},
+                                                           {"movers", MaskSource::movers},
+                                                           {"classes", MaskSource::classes},
+                                                           {"geometry", MaskSource::geometry},
+                                                           {"truth", MaskSource::truth}};
+
+constexpr const char* kComplete = ".complete";  // marks a drive that was rendered to its end
+
+slam::SlamSettings settings_of(const AblationCell& cell) {
+  slam::SlamSettings settings;
+  settings.deterministic = true;
+  settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(cell.filter);
+  settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
+      cell.masks != MaskSource::none;
+  settings.semantics.instances.check_motion = cell.masks != MaskSource::classes;
+  return settings;
+}
+
+slam::LoopEvaluation loops_of(const slam::Slam& slam, const slam::Trajectory& truth) {
+  std::vector<slam::FramePair> loops, covisible;
+  for (const slam::ClosedLoop& loop : slam.loops()) loops.push_back({loop.frame, loop.earlier_frame});
+  std::vector<int> keyframes;
+  for (const slam::KeyFrame* keyframe : slam.map().keyframes()) {
+    keyframes.push_back(keyframe->frame_index);
+    for (const slam::Covisible& c : keyframe->covisibles) {
+      if (c.keyframe->id < keyframe->id)
+        covisible.push_back({keyframe->frame_index, c.keyframe->frame_index});
+    }
+  }
+  return slam::evaluate_loops(truth, loops, keyframes, covisible);
+}
+
+// Mean angle between the estimated and the true turn since the first frame, degrees. (An alignment of the
+// whole path would leave the rotation about a straight one open.)
+double mean_angle(const slam::Trajectory& truth, const slam::Trajectory& estimate) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const slam::SE3 turned = truth.front().T_wc.inverse() * truth[i].T_wc;
+    sum += (turned.inverse() * (estimate.front().T_wc.inverse() * estimate[i].T_wc)).angle();
+  }
+  return sum / static_cast<double>(truth.size()) * 180.0 / M_PI;
+}
+
+}  // namespace
+
+MaskSource parse_mask_source(const std::string& name) {
+  for (const auto& [known, source] : kSources) {
+    if (name == known) return source;
+  }
+  throw UsageError(
+      fmt::format("--masks: expected 'none', 'movers', 'classes', 'geometry' or 'truth', found '{}'", name));
+}
+
+std::string name_of(MaskSource source) {
+  for (const auto& [known, other] : kSources) {
+    if (other == source) return known;
+  }
+  return {};
+}
+
+std::string AblationCell::drive_name() const {
+  return fmt::format("{}_{}x{}_{}_seed{}", preset, size.width, size.height, frames, seed);
+}
+
+std::string AblationCell::name() const {
+  return fmt::format("{}_{}{}_{}", drive_name(), name_of(masks), weights.empty() ? "" : "-" + weights,
+                     filter);
+}
+
+std::filesystem::path render_drive(const AblationCell& cell, const std::filesystem::path& folder) {
+  const std::filesystem::path drive = folder / cell.drive_name();
+  if (std::filesystem::exists(drive / kComplete)) return drive;
+  slam::synthetic::SequenceSettings settings;
+  settings.street = slam::synthetic::street_preset(cell.preset);
+  settings.frames = cell.frames;
+  settings.seed = static_cast<std::uint32_t>(cell.seed);
+  settings.colour = true;
+  settings.size = cell.size;
+  slam::synthetic::StreetSequence sequence(settings);
+  slam::synthetic::write_kitti_layout(sequence, drive, /*overwrite=*/true);
+  std::ofstream(drive / kComplete) << "\n";
+  return drive;
+}
+
+nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& drive,
+                        const slam::Segmenter& segmenter) {
+  const auto dataset = slam::open_dataset(drive.string(), {});
+  slam::Slam slam(dataset->camera(), dataset->sensor(), settings_of(cell), segmenter);
+  for (slam::Prefetcher frames(*dataset); frames.has_next();) slam.process(frames.next());
+  slam.finish();
+
+  int occluded = 0;
+  for (const slam::FrameResult& result : slam.results())
+    occluded += result.tracking.state == slam::TrackingState::occluded;
+  const slam::Trajectory& truth = *dataset->ground_truth();
+  slam::EvaluationOptions options;
+  options.segment_lengths = {10.0, 20.0, 40.0};
+  const slam::Trajectory estimate = slam.trajectory();
+  const slam::Evaluation e = slam::evaluate_trajectory(truth, estimate, options);
+  const slam::LoopEvaluation loops = loops_of(slam, truth);
+  nlohmann::json json = {{"ate_m", e.ape.rmse},
+                         {"rpe_m", e.rpe_frames.rmse},
+                         {"angle_deg", mean_angle(truth, estimate)},
+                         {"loops", loops.loops.size()},
+                         {"loop_precision", loops.precision()},
+                         {"loop_recall", loops.keyframe_recall()},
+                         {"tracked", slam.tracked()},
+                         {"lost", slam.lost() - occluded},
+                         {"occluded", occluded},
+                         {"keyframes", slam.map().keyframes().size()}};
+  const auto& stages = slam.timer().stages();
+  if (const auto frame = stages.find("frame"); frame != stages.end())
+    json["median_ms"] = slam::quantile_of(frame->second, 0.5);
+  return json;
+}
+
+nlohmann::json summarise_cells(const nlohmann::json& cells) {
+  std::map<std::string, std::size_t> row_of;
+  nlohmann::json rows = nlohmann::json::array();
+  std::vector<std::map<std::string, std::vector<double>>> values;
+  for (const nlohmann::json& cell : cells) {
+    const std::string key =
+        fmt::format("{} {} {} {}", cell.at("preset").get<std::string>(), cell.at("masks").get<std::string>(),
+                    cell.at("weights").get<std::string>(), cell.at("filter").get<std::string>());
+    const auto [at, added] = row_of.emplace(key, rows.size());
+    if (added) {
+      rows.push_back({{"preset", cell["preset"]},
+                      {"masks", cell["masks"]},
+                      {"weights", cell["weights"]},
+                      {"filter", cell["filter"]}});
+      values.emplace_back();
+    }
+    for (const auto& [name, value] : cell.items()) {
+      if (value.is_number() && name != "seed" && name != "frames")
+        values[at->second][name].push_back(value.get<double>());
+    }
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (const auto& [name, list] : values[r]) {
+      double mean = 0.0, square = 0.0;
+      for (const double v : list) mean += v / static_cast<double>(list.size());
+      for (const double v : list) square += (v - mean) * (v - mean) / static_cast<double>(list.size());
+      rows[r][name] = {{"mean", mean}, {"std", std::sqrt(square)}};
+      rows[r]["seeds"] = list.size();
+    }
+  }
+  return rows;
+}
+
+std::string format_table(const nlohmann::json& rows) {
+  std::string table =
+      "| preset | masks | filter | seeds | ATE m | RPE m | angle deg | loops | precision % | recall % | lost "
+      "| occluded | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const nlohmann::json& row : rows) {
+    const auto mean = [&](const char* key) {
+      return row.contains(key) ? row[key]["mean"].get<double>() : std::nan("");
+    };
+    const auto spread = [&](const char* key) {
+      return row.contains(key) ? row[key]["std"].get<double>() : std::nan("");
+    };
+    const std::string weights = row["weights"].get<std::string>();
+    table += fmt::format(
+        "| {} | {}{} | {} | {} | {:.3f} ± {:.3f} | {:.4f} ± {:.4f} | {:.2f} ± {:.2f} | {:.1f} | {:.0f} | "
+        "{:.0f} | {:.1f} | {:.1f} | {:.0f} |\n",
+        row["preset"].get<std::string>(), row["masks"].get<std::string>(),
+        weights.empty() ? "" : " (" + weights + ")", row["filter"].get<std::string>(),
+        row["seeds"].get<int>(), mean("ate_m"), spread("ate_m"), mean("rpe_m"), spread("rpe_m"),
+        mean("angle_deg"), spread("angle_deg"), mean("loops"), 100.0 * mean("loop_precision"),
+        100.0 * mean("loop_recall"), mean("lost"), mean("occluded"), mean("median_ms"));
+  }
+  return table;
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,77 @@
+#include <fmt/core.h>
+
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "apps/slam/segmenter.h"
+#include "nn/base/error.h"
+#include "nn/base/file.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+constexpr int kFewestPixels = 20;
+
+using ClassNames = std::map<int, std::string>;
+
+ClassNames read_class_names(const std::filesystem::path& folder) {
+  std::filesystem::path path = folder / "instances.json";
+  if (!std::filesystem::exists(path)) path = folder.lexically_normal().parent_path() / "instances.json";
+  const std::string text = nn::read_text_file(path, "the classes of the instances");
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const std::string expected = R"(an object of {"NUMBER": {"class": NAME}})";
+  if (!json.is_object()) throw InputError(path.string(), expected, "something else, or a torn file");
+  ClassNames names;
+  for (const auto& [key, value] : json.items()) {
+    const bool is_number = !key.empty() && key.size() <= 5 && key.find_first_not_of("0123456789") == key.npos;
+    if (!is_number || !value.is_object() || !value.contains("class") || !value["class"].is_string())
+      throw InputError(fmt::format("{}, \"{}\"", path.string(), key), expected, "something else");
+    names[std::stoi(key)] = value["class"].get<std::string>();
+  }
+  return names;
+}
+
+std::vector<slam::Instance> instances_of(const cv::Mat1w& numbers, const ClassNames& names) {
+  std::map<int, cv::Rect> regions;
+  for (int y = 0; y < numbers.rows; ++y) {
+    for (int x = 0; x < numbers.cols; ++x) {
+      if (numbers(y, x) == 0) continue;
+      cv::Rect& region = regions[numbers(y, x)];
+      region = region.empty() ? cv::Rect(x, y, 1, 1) : region | cv::Rect(x, y, 1, 1);
+    }
+  }
+  std::vector<slam::Instance> instances;
+  for (const auto& [number, region] : regions) {
+    const auto name = names.find(number);
+    slam::Instance instance;
+    instance.class_name = name == names.end() ? "unknown" : name->second;
+    instance.score = 1.0F;
+    instance.region = region;
+    instance.mask = numbers(region) == number;
+    if (cv::countNonZero(instance.mask) >= kFewestPixels) instances.push_back(std::move(instance));
+  }
+  return instances;
+}
+
+}  // namespace
+
+slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
+  const auto names = std::make_shared<const ClassNames>(read_class_names(folder));
+  return [folder, names](int frame, const cv::Mat& image) -> std::vector<slam::Instance> {
+    const std::filesystem::path path = folder / fmt::format("{:06d}.png", frame);
+    if (!std::filesystem::exists(path)) return {};
+    const cv::Mat numbers = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+    if (numbers.type() != CV_16U || numbers.size() != image.size()) {
+      throw InputError(path.string(), fmt::format("a 16-bit grey image, {}x{}", image.cols, image.rows),
+                       numbers.empty() ? "no image"
+                                       : fmt::format("{}x{} with {} channels, depth code {}", numbers.cols,
+                                                     numbers.rows, numbers.channels(), numbers.depth()));
+    }
+    return instances_of(numbers, *names);
+  };
+}
+
+}  // namespace penumbra::apps

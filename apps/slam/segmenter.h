@@ -1,0 +1,24 @@
+// What the SLAM's instances come from: a network, or masks that are there already.
+#pragma once
+
+#include <filesystem>
+
+#include "apps/network/load_network.h"
+#include "slam/dynamics/instance.h"
+
+namespace penumbra::apps {
+
+// Settings of a network whose masks the SLAM uses.
+nn::NetworkConfig slam_network_config();
+
+// The segmenter shares the network, Mask R-CNN or YOLOv5. Throws InputError where it finds boxes without
+// masks.
+slam::Segmenter make_segmenter(const LoadedNetwork& loaded);
+
+// Reads masks as `penumbra synth` writes them: folder/NNNNNN.png with 16-bit instance numbers (NNNNNN: the
+// frame's; 0: background) and, beside the folder or in it, instances.json with their classes,
+// {"17": {"class": "car"}}. Scores are 1. A frame without a file shows nothing. Throws InputError for files
+// that are not that, from here or from the segmenter.
+slam::Segmenter make_mask_reader(const std::filesystem::path& folder);
+
+}  // namespace penumbra::apps

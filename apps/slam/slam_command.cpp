@@ -1,0 +1,153 @@
+// penumbra slam: from a stereo sequence to a trajectory and a map.
+
+#include <memory>
+
+#include "apps/common/commands.h"
+#include "apps/common/compute_options.h"
+#include "apps/common/dataset_arguments.h"
+#include "apps/common/finite_number.h"
+#include "apps/network/load_network.h"
+#include "apps/slam/slam_run.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+constexpr const char* kSlamExamples = R"(Examples:
+  penumbra slam kitti --sequence 00 --out out/00
+  penumbra slam kitti --sequence 06 --frames 0:50 --filter off --out out/06
+  penumbra slam kitti/sequences/00 --weights maskrcnn.safetensors --out out/00
+  penumbra slam out/street --masks out/street/sequences/00/instances --out out/street_slam
+  penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
+  penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
+  penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
+  penumbra slam monday --save-map yard.map --out out/monday
+  penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
+  penumbra slam wednesday --load-map yard.map --localise --out out/wednesday           only find the way in it
+  penumbra slam nightly --out out/nightly --require-tracked 0.95                        exit code 1 where it lost its way
+  penumbra slam kitti --sequence 00 --out out/00 --view       watch it: a page on http://127.0.0.1:8080/, for this machine alone
+
+Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
+trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
+loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them; with
+--view the page is there while the run goes on.
+
+Ctrl-C, `kill` and a closed terminal end the run early, with all results; a second signal within three seconds ends it at
+once. Exit code 1: the run was stopped, nothing was located, or less than --require-tracked.)";
+
+}  // namespace
+
+void add_slam_command(CLI::App& app) {
+  const auto options = std::make_shared<SlamOptions>();
+  CLI::App* command =
+      app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
+  command->footer(kSlamExamples);
+  add_dataset_arguments(*command, options->dataset, "folder of the sequence");
+  command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
+  command->add_option("--images", options->images, "which images to read")
+      ->check(CLI::IsMember({"auto", "grey", "colour"}))
+      ->capture_default_str();
+  command->add_option("--rate", options->frame_rate, "frames a second, where the dataset has no times")
+      ->check(number_above_zero())
+      ->type_name("HZ");
+  command->add_option("--sequence", options->sequence,
+                      "which one, where the folder holds several, such as 00");
+  command
+      ->add_option("--weights", options->weights, "Mask R-CNN or YOLOv5-seg weights: what moves is left out")
+      ->type_name("FILE");
+  command
+      ->add_option("--masks", options->masks,
+                   "folder of masks as `penumbra synth` writes, instead of weights")
+      ->excludes("--weights")
+      ->type_name("DIR");
+  add_key_option(command, options->key);
+  command->add_option("--classes", options->classes,
+                      "file of the weights' class names, one a line (default: the weights' own, or COCO)");
+  command
+      ->add_option("--segmentation", options->segmentation,
+                   "frames that are segmented: keyframes, every-N, all (tracking waits), off")
+      ->capture_default_str()
+      ->type_name("WHICH");
+  command
+      ->add_option("--moving", options->moving,
+                   "what is left out: instances that geometry finds moving, or every class that can move")
+      ->check(CLI::IsMember({"geometry", "class"}))
+      ->capture_default_str();
+  command->add_option("--movers", options->movers, "find large moving things without masks, by geometry")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option("--filter", options->filter,
+                   "histogram mismatch filter: votes on how far features moved or, "
+                   "compensated, on how far they are from where prediction and depth expect them")
+      ->check(CLI::IsMember({"off", "paper", "adaptive", "compensated"}))
+      ->capture_default_str();
+  command
+      ->add_option("--loops", options->loops,
+                   "close loops when a place is seen again; recognise: only list such places in run.json")
+      ->check(CLI::IsMember({"on", "recognise", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option("--constellation", options->constellation,
+                   "with masks: where the same standing objects are around, fewer points prove a place")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option("--self-calibration", options->self_calibration,
+                   "find a constant error of the stereo disparities along with the map")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--least-sharpness", options->least_sharpness,
+          "a frame below this share of the last images' sharpness (Tenengrad) leaves it to one of the next "
+          "three to become a keyframe; 0: no test")
+      ->check(number_from(0.0, 1.0, "a share from 0 to 1"))
+      ->capture_default_str();
+  command->add_option("--features", options->features, "features per image; 0 chooses by the image's size")
+      ->check(CLI::Range(0, 20000))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "threads (default: all processors)")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command
+      ->add_option("--segmentation-threads", options->segmentation_threads,
+                   "threads of the network beside the tracker (default: all of --threads but one)")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N");
+  CLI::Option* load = command
+                          ->add_option("--load-map", options->load_map,
+                                       "begin with the map of an earlier run of the same camera")
+                          ->type_name("FILE");
+  CLI::Option* save = command->add_option("--save-map", options->save_map, "write the map there at the end")
+                          ->type_name("FILE");
+  command
+      ->add_flag("--localise", options->localise,
+                 "only find the way in the loaded map, and leave it as it is")
+      ->needs(load)
+      ->excludes(save);
+  command
+      ->add_option(
+          "--checkpoint", options->checkpoint,
+          "write trajectories, run.json and map every so many seconds, for a power cut; 0: only at the end")
+      ->check(number_from(0.0, 86400.0, "seconds from 0 to 86400"))
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  command->add_flag("--strict", options->strict,
+                    "an image that cannot be read ends the run (default: it costs its frame)");
+  command
+      ->add_option("--require-tracked", options->require_tracked,
+                   "share of the frames, from 0 to 1; where fewer are located the exit code is 1")
+      ->check(number_from(0.0, 1.0, "a share from 0 to 1"))
+      ->type_name("SHARE");
+  add_isa_option(command);
+  command->add_flag("--deterministic", options->deterministic,
+                    "mapping in line with tracking: results repeat bit for bit");
+  command->add_flag(std::string("--view{") + kAnyViewPort + "}", options->view,
+                    "show the run in a browser on this machine while it goes on, --view=PORT on a port of "
+                    "its own (default: "
+                    "the first free one from 8080)");
+  command->callback([options] { run_slam(*options); });
+}
+
+}  // namespace penumbra::apps

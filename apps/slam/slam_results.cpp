@@ -1,0 +1,201 @@
+#include "apps/slam/slam_results.h"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <exception>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/view/frames_report.h"
+#include "apps/view/keyframe_gallery.h"
+#include "nn/base/error.h"
+#include "nn/base/file.h"
+#include "nn/image/image_file.h"
+#include "slam/evaluation/trajectory_plot.h"
+#include "slam/geometry/association.h"
+#include "slam/geometry/trajectory_io.h"
+#include "slam/map/map_file.h"
+#include "slam/map/ply.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+// Poses of the frames that were located.
+slam::Trajectory located(const slam::Slam& slam) {
+  slam::Trajectory all = slam.trajectory(), located;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (slam.results()[i].tracking.state == slam::TrackingState::tracking) located.push_back(all[i]);
+  }
+  return located;
+}
+
+// Ground truth and estimate of the frames that have both, the ground truth moved so that it starts where the
+// estimate starts.
+slam::TrajectoryPair pair_with_ground_truth(const slam::StereoDataset& dataset,
+                                            const slam::Trajectory& estimate) {
+  slam::TrajectoryPair pair;
+  if (!dataset.ground_truth()) return pair;
+  std::size_t at = 0;
+  for (const slam::TimedPose& pose : *dataset.ground_truth()) {  // with the frames' own times
+    while (at < estimate.size() && estimate[at].timestamp < pose.timestamp) ++at;
+    if (at == estimate.size()) break;
+    if (estimate[at].timestamp != pose.timestamp) continue;
+    pair.reference.push_back(pose);
+    pair.estimate.push_back(estimate[at]);
+  }
+  if (pair.reference.empty()) return pair;
+  const slam::SE3 moved = pair.estimate.front().T_wc * pair.reference.front().T_wc.inverse();
+  for (slam::TimedPose& pose : pair.reference) pose.T_wc = moved * pose.T_wc;
+  return pair;
+}
+
+std::optional<slam::Evaluation> evaluate(const slam::TrajectoryPair& pair) {
+  if (pair.reference.size() < 2) return std::nullopt;
+  slam::EvaluationOptions options;
+  // Short pieces have no segment of a hundred metres.
+  if (slam::path_length(pair.reference) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
+  return slam::evaluate_trajectory(pair.reference, pair.estimate, options);
+}
+
+// Writes one thing after the other and remembers what could not be written.
+class Writer {
+ public:
+  template <typename Write>
+  void write(Write&& write) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      failures_.emplace_back(error.what());
+    }
+  }
+  // The same of what can be drawn again.
+  template <typename Write>
+  void draw(Write&& write) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      spdlog::warn("left out: {}", error.what());
+    }
+  }
+  void throw_failures() const {
+    if (failures_.empty()) return;
+    throw Error(fmt::format("{}{}", failures_.front(),
+                            failures_.size() > 1 ? fmt::format(" (and {} more)", failures_.size() - 1) : ""));
+  }
+
+ private:
+  std::vector<std::string> failures_;
+};
+
+std::filesystem::path checkpoint_of(const std::filesystem::path& map) { return map.string() + ".checkpoint"; }
+
+// All that a run has found. What it has not is not left there from an earlier run either.
+void write_data(Writer& writer, const ResultPlaces& places, const slam::Slam& slam,
+                const slam::Trajectory& estimate, const slam::Trajectory& truth, const SlamRun& run,
+                const std::filesystem::path& map_file) {
+  const auto write_path = [&](const char* name, const slam::Trajectory& trajectory, auto write) {
+    const std::filesystem::path file = places.out / name;
+    writer.write([&] { trajectory.empty() ? void(std::filesystem::remove(file)) : write(file, trajectory); });
+  };
+  const auto as_tum = [](const auto& file, const auto& t) { slam::write_tum_trajectory(file, t); };
+  write_path("trajectory_kitti.txt", slam.trajectory(),
+             [](const auto& file, const auto& t) { slam::write_kitti_poses(file, t); });
+  write_path("trajectory_tum.txt", estimate, as_tum);
+  write_path("keyframes_tum.txt", slam.keyframe_trajectory(), as_tum);
+  write_path("ground_truth_tum.txt", truth, as_tum);
+  writer.write([&] { nn::write_file(places.out / "run.json", to_text(slam_report(run, slam))); });
+  writer.write([&] { nn::write_file(places.out / "frames.json", frames_report(slam).dump() + "\n"); });
+  if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, slam.map()); });
+  writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(slam.map())); });
+}
+
+}  // namespace
+
+void prepare_places(const ResultPlaces& places) {
+  // The map's place first: where it is none, no folder is made.
+  const std::filesystem::path map_folder = places.save_map.parent_path();
+  std::error_code error;
+  if (!places.save_map.empty() && std::filesystem::is_directory(places.save_map, error))
+    throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
+  if (!map_folder.empty() && map_folder != places.out && !std::filesystem::is_directory(map_folder, error))
+    throw InputError(map_folder.string(), "a folder for the map", "none");
+  nn::make_writable_folder(places.out);
+  if (!places.save_map.empty()) nn::require_writable_folder(map_folder.empty() ? "." : map_folder);
+}
+
+void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset, const slam::Slam& slam,
+                   SlamRun& run) {
+  const std::filesystem::path& out = places.out;
+  const slam::Trajectory estimate = located(slam);
+  const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
+  const slam::Trajectory& truth = pair.reference;
+  run.evaluation = evaluate(pair);
+  Writer writer;
+  write_data(writer, places, slam, estimate, truth, run, places.save_map);
+  if (estimate.empty()) {
+    writer.draw([&] { std::filesystem::remove(out / "trajectory.png"); });
+  } else {
+    slam::TrajectoryPlotOptions plot;
+    plot.title = dataset.name();
+    writer.draw(
+        [&] { nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot)); });
+  }
+  writer.draw([&] { write_keyframe_gallery(out / "gallery", dataset, slam); });
+  writer.throw_failures();
+  std::error_code none;
+  if (!places.save_map.empty()) std::filesystem::remove(checkpoint_of(places.save_map), none);
+}
+
+void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const SlamRun& run) {
+  Writer writer;
+  write_data(writer, places, slam, located(slam), {}, run,
+             places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
+  // Pictures of an earlier run would not show what is written now.
+  writer.draw([&] { std::filesystem::remove(places.out / "trajectory.png"); });
+  writer.draw([&] { clear_keyframe_gallery(places.out / "gallery"); });
+  writer.throw_failures();
+}
+
+void warn_of_pieces(const slam::Slam& slam) {
+  const std::vector<slam::SubmapSummary> submaps = slam.submaps();
+  for (std::size_t i = 1; i < submaps.size(); ++i) {
+    if (submaps[i].frames == 0) continue;  // of a map that was loaded
+    spdlog::warn(
+        "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
+        "frames are right relative to each other, where they are is a guess",
+        submaps[i].first_frame, submaps[i].last_frame, submaps[i].frames);
+  }
+}
+
+void print_summary(const nlohmann::json& report, const std::filesystem::path& out) {
+  fmt::print("{}: {} frames, {} tracked, {} lost, {} keyframes, {} map points, {:.1f} ms a frame (median)\n",
+             report["dataset"].get<std::string>(), report["frames"].get<int>(), report["tracked"].get<int>(),
+             report["lost"].get<int>(), report["keyframes"].get<int>(), report["map_points"].get<int>(),
+             report.value("median_ms", 0.0));
+  if (report["tracked"].get<int>() > 1) {
+    fmt::print("{:.1f} m, {:.2f} m/s on average; features at {:.2g} m (median)\n",
+               report["path_m"].get<double>(), report["mean_speed_mps"].get<double>(),
+               report["median_depth_m"].get<double>());
+  }
+  if (const double offset = report["disparity_offset_px"].get<double>(); offset != 0.0) {
+    fmt::print("disparities are {:.2f} pixels too {} for the calibration, which was taken into account\n",
+               std::abs(offset), offset > 0.0 ? "large" : "small");
+  }
+  if (report.contains("ground_truth")) {
+    const nlohmann::json& truth = report["ground_truth"];
+    fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse", truth["path_m"].get<double>(),
+               truth["ape_rmse_m"].get<double>());
+    if (truth.contains("t_rel_percent")) {
+      fmt::print(", drift {:.2f} % and {:.2f} deg/100 m", truth["t_rel_percent"].get<double>(),
+                 truth["r_rel_deg_per_100m"].get<double>());
+    }
+    fmt::print("\n");
+  }
+  fmt::print("results in {}\n", out.string());
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,41 @@
+// What `penumbra slam` leaves behind: the files of its --out folder, the map, and a few lines on the
+// terminal.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/view/slam_report.h"
+#include "slam/pipeline/slam.h"
+#include "slam/sources/stereo_dataset.h"
+
+namespace penumbra::apps {
+
+// Where a run's results go.
+struct ResultPlaces {
+  std::filesystem::path out;       // folder
+  std::filesystem::path save_map;  // file; empty: none is asked for
+};
+
+// Makes the folder where it is missing, and tries whether both can be written. Throws Error.
+void prepare_places(const ResultPlaces& places);
+
+// Writes trajectories, run.json, frames.json and map, then the pictures, so that what was computed is kept
+// before what can be drawn again; fills run.evaluation where there is ground truth. What cannot be written
+// costs only itself: of a picture a warning, of all else an Error that names it once everything else is
+// written.
+void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset, const slam::Slam& slam,
+                   SlamRun& run);
+
+// The same, without pictures and ground truth, in the middle of a run, whose worker may go on; the map of
+// --save-map beside its place, with the ending .checkpoint, which write_results removes. Throws as
+// write_results does.
+void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const SlamRun& run);
+
+// Says which pieces of the map nothing ties to the first: they stand where they were guessed.
+void warn_of_pieces(const slam::Slam& slam);
+
+// `report`: what write_results wrote as run.json.
+void print_summary(const nlohmann::json& report, const std::filesystem::path& out);
+
+}  // namespace penumbra::apps

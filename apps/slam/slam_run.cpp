@@ -1,0 +1,276 @@
+#include "apps/slam/slam_run.h"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "apps/common/interruption.h"
+#include "apps/common/process_usage.h"
+#include "apps/common/progress_bar.h"
+#include "apps/slam/segmenter.h"
+#include "apps/slam/slam_results.h"
+#include "apps/view/live_view.h"
+#include "nn/base/error.h"
+#include "slam/map/map_file.h"
+#include "slam/pipeline/run_check.h"
+#include "slam/pipeline/slam.h"
+#include "slam/sources/open_dataset.h"
+#include "slam/sources/prefetcher.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+void parse_segmentation(const std::string& text, slam::SemanticsSettings& semantics) {
+  using Mode = slam::SegmentationMode;
+  constexpr std::string_view kEvery = "every-";
+  if (text == "keyframes" || text == "all" || text == "off") {
+    semantics.mode = text == "keyframes" ? Mode::keyframes : text == "all" ? Mode::all : Mode::off;
+    return;
+  }
+  const std::string number = text.rfind(kEvery, 0) == 0 ? text.substr(kEvery.size()) : "";
+  const bool is_number =
+      !number.empty() && number.size() <= 6 && number.find_first_not_of("0123456789") == number.npos;
+  if (!is_number || std::stoi(number) == 0) {
+    throw UsageError(fmt::format(
+        "--segmentation: expected 'keyframes', 'every-N' such as 'every-5', 'all' or 'off', found '{}'",
+        text));
+  }
+  semantics.mode = Mode::interval;
+  semantics.interval = std::stoi(number);
+}
+
+// Empty where no segmentation by a network is asked for.
+std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
+  if (options.segmentation == "off" || options.weights.empty()) return std::nullopt;
+  return load_network(options.weights, options.classes, slam_network_config(), options.key);
+}
+
+slam::DatasetCameras parse_cameras(const std::string& images) {
+  if (images == "grey") return slam::DatasetCameras::grey;
+  return images == "colour" ? slam::DatasetCameras::colour : slam::DatasetCameras::automatic;
+}
+
+slam::SlamSettings make_settings(const SlamOptions& options) {
+  slam::SlamSettings settings;
+  settings.orb.features = options.features;
+  settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
+  settings.loops.enabled = options.loops != "off";
+  settings.loops.corrects = options.loops == "on";
+  settings.loops.verifier.constellation.enabled = options.constellation == "on";
+  if (options.self_calibration == "off") settings.full_bundle.disparity_offset_sigma = 0.0;
+  settings.tracker.least_sharpness = options.least_sharpness;
+  parse_segmentation(options.segmentation, settings.semantics);
+  settings.semantics.instances.check_motion = options.moving == "geometry";
+  settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
+      options.movers == "on";
+  settings.localise = options.localise;
+  settings.threads = options.threads;
+  settings.semantics.threads = options.segmentation_threads;
+  settings.deterministic = options.deterministic;
+  return settings;
+}
+
+// The port of --view; none: the first that is free.
+std::optional<int> view_port(const std::string& text) {
+  if (text.empty() || text == kAnyViewPort) return std::nullopt;
+  int port = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, port);
+  if (error != std::errc() || stop != end || port < 0 || port > 65535) {
+    throw UsageError(fmt::format("--view: expected a port from 0 to 65535, found '{}'", text));
+  }
+  return port;
+}
+
+// The map of --load-map; nothing where none is asked for.
+std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::StereoCamera& camera) {
+  if (options.load_map.empty()) return nullptr;
+  std::unique_ptr<slam::Map> map = slam::read_map(options.load_map);
+  slam::require_same_camera(map->camera(), camera, options.load_map);
+  return map;
+}
+
+// Writes what there is so far every --checkpoint seconds, or less often, so that it costs a twentieth of the
+// time at most.
+class Checkpoints {
+ public:
+  explicit Checkpoints(double seconds) : between_(seconds), next_(Clock::now() + between_) {}
+  bool is_due() const { return between_.count() > 0.0 && Clock::now() >= next_; }
+  void write(const ResultPlaces& places, const slam::Slam& slam, const SlamRun& run) {
+    constexpr double kWorkPerWriting = 20.0;
+    const Clock::time_point begin = Clock::now();
+    try {
+      write_checkpoint(places, slam, run);
+    } catch (const Error& error) {
+      spdlog::warn("checkpoint: {}", error.what());
+    }
+    const Seconds spent = Clock::now() - begin;
+    next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
+  }
+
+ private:
+  using Seconds = std::chrono::duration<double>;
+  const Seconds between_;
+  std::chrono::time_point<Clock, Seconds> next_;
+};
+
+// One run, from the first frame to the last.
+class FrameLoop {
+ public:
+  FrameLoop(const SlamOptions& options, const slam::StereoDataset& dataset, slam::Slam& slam, LiveView* view,
+            SlamRun& run)
+      : options_(options),
+        dataset_(dataset),
+        slam_(slam),
+        view_(view),
+        run_(run),
+        check_(dataset.camera(), dataset.sensor()) {}
+
+  // Until the end, a signal, or an error, which is then in SlamRun::error.
+  void run(const ResultPlaces& places) {
+    slam::Prefetcher frames(dataset_);
+    ProgressBar progress("Tracking", dataset_.size());
+    Checkpoints checkpoints(options_.checkpoint);
+    for (int i = 0; frames.has_next() && run_.error.empty(); ++i) {
+      if (Interruption::requested()) {
+        run_.error = fmt::format("interrupted by {} after {} frames", Interruption::signal_name(), i);
+        break;
+      }
+      try {
+        process(i, frames);
+      } catch (const std::exception& error) {
+        run_.error = error.what();
+      }
+      tell();
+      progress.update(static_cast<int>(slam_.results().size()));
+      if (checkpoints.is_due()) {
+        sum_up();
+        checkpoints.write(places, slam_, run_);
+      }
+    }
+    sum_up();
+  }
+
+ private:
+  // The i-th frame, or what stands for it where its images cannot be read.
+  void process(int i, slam::Prefetcher& frames) {
+    std::optional<slam::StereoImages> images;
+    try {
+      images = frames.next();
+    } catch (const InputError& error) {
+      if (options_.strict) throw;
+      spdlog::warn("{}; the frame is taken as lost", error.what());
+    }
+    slam::FrameResult result;
+    if (images) {
+      result = slam_.process(*images);
+      check_.add(*images, result);
+    } else {
+      result = slam_.process_missing(dataset_.frame_number(i), dataset_.timestamp(i));
+      check_.add_unreadable(result.index);
+      run_.unreadable_frames.push_back(result.index);
+    }
+    if (view_ != nullptr) view_->add(result, images ? images->left : cv::Mat());
+    if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
+    if (result.tracking.recovered) spdlog::info("frame {}: found again", result.index);
+  }
+
+  void tell() {
+    for (const std::string& warning : check_.take_warnings()) {
+      spdlog::warn("{}", warning);
+      run_.warnings.push_back(warning);
+    }
+    const std::vector<slam::ClosedLoop> loops = slam_.loops();
+    for (; reported_loops_ < loops.size(); ++reported_loops_) {
+      const slam::ClosedLoop& loop = loops[reported_loops_];
+      spdlog::info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame, loop.earlier_frame,
+                   loop.inliers, loop.correction_metres);
+    }
+  }
+
+  // What takes a look at all frames so far.
+  void sum_up() {
+    run_.median_depth = check_.median_depth();
+    run_.why_lost = check_.why_lost();
+  }
+
+  const SlamOptions& options_;
+  const slam::StereoDataset& dataset_;
+  slam::Slam& slam_;
+  LiveView* const view_;
+  SlamRun& run_;
+  slam::RunCheck check_;
+  std::size_t reported_loops_ = 0;
+};
+
+// Throws Error where the run was stopped, or located nothing, or fewer frames than are asked for. What it
+// says is the last line.
+void judge(const SlamOptions& options, const slam::Slam& slam, const SlamRun& run) {
+  if (!run.error.empty()) throw Error(run.error);
+  const double share = slam.tracked() / static_cast<double>(slam.results().size());
+  if (share < options.require_tracked) {
+    throw Error(
+        fmt::format("{}. --require-tracked asks for {:g} %", run.why_lost, 100.0 * options.require_tracked));
+  }
+  if (slam.tracked() == 0) throw Error(run.why_lost);
+  if (!run.why_lost.empty()) spdlog::warn("{}", run.why_lost);
+}
+
+}  // namespace
+
+void run_slam(const SlamOptions& options) {
+  const std::optional<int> port = view_port(options.view);
+  const slam::SlamSettings settings = make_settings(options);
+  slam::DatasetOptions from = dataset_options(options.dataset);
+  from.sequence = options.sequence;
+  from.cameras = parse_cameras(options.images);
+  from.frame_rate = options.frame_rate;
+
+  SlamRun run;
+  const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
+  run.dataset = dataset->name();
+  for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset.folder, note);
+  run.warnings = dataset->notes();
+  const std::optional<LoadedNetwork> loaded = find_network(options);
+  slam::Segmenter segmenter;
+  if (loaded) segmenter = make_segmenter(*loaded);
+  if (!options.masks.empty() && options.segmentation != "off") segmenter = make_mask_reader(options.masks);
+  run.segmentation = segmenter ? options.segmentation : "off";
+  std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
+  const ResultPlaces places{options.out, options.save_map};
+  prepare_places(places);
+
+  omp_set_num_threads(settings.threads);
+  cv::setNumThreads(1);  // the frames' two images are the parallel work
+  slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter, std::move(map));
+  std::optional<LiveView> view;
+  if (!options.view.empty()) {
+    view.emplace(port, run, dataset->size(), slam);
+    spdlog::info("watch it on {}", view->address());
+  }
+  const Interruption interruption;  // until the results are written
+  const double cpu_before = process_usage().cpu_seconds;
+  FrameLoop(options, *dataset, slam, view ? &*view : nullptr, run).run(places);
+  slam.finish();
+  const ProcessUsage usage = process_usage();
+  run.finished = true;
+  run.cpu_seconds = usage.cpu_seconds - cpu_before;
+  run.peak_rss_mb = usage.peak_rss_mb;
+  warn_of_pieces(slam);
+  if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
+  write_results(places, *dataset, slam, run);
+  print_summary(slam_report(run, slam), places.out);
+  if (view && !slam.results().empty()) view->finish(places.out);
+  judge(options, slam, run);
+}
+
+}  // namespace penumbra::apps

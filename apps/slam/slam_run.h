@@ -1,0 +1,38 @@
+// A run of `penumbra slam`: opens the recording, feeds the pipeline frame by frame, and keeps what it finds
+// whatever happens: signals, torn images, a full disk.
+#pragma once
+
+#include <omp.h>
+
+#include <optional>
+#include <string>
+
+#include "apps/common/dataset_arguments.h"
+
+namespace penumbra::apps {
+
+// --view without a port.
+inline constexpr const char* kAnyViewPort = "auto";
+
+struct SlamOptions {
+  DatasetArguments dataset;
+  std::string out, sequence, weights, key, classes, masks, save_map, load_map;
+  std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on",
+              self_calibration = "on";
+  std::string segmentation = "keyframes", moving = "geometry", movers = "on";
+  std::string view;  // port, or kAnyViewPort; empty: none
+  std::optional<double> frame_rate;
+  double least_sharpness = 0.0;
+  bool deterministic = false, localise = false;
+  int features = 0, threads = omp_get_max_threads(), segmentation_threads = 0;
+  double checkpoint = 60.0;      // seconds between two; 0: none
+  bool strict = false;           // an image that cannot be read ends the run
+  double require_tracked = 0.0;  // share of the frames, below which the run has failed
+};
+
+// Throws UsageError for options that do not fit together; InputError and Error for what cannot be read or
+// written, where the run was stopped, and where too few frames were located. All results that there are are
+// written before.
+void run_slam(const SlamOptions& options);
+
+}  // namespace penumbra::apps

@@ -1,0 +1,69 @@
+#include "apps/view/frames_report.h"
+
+#include <cmath>
+
+namespace penumbra::apps {
+
+namespace {
+
+// Digits beyond a micrometre, a microsecond or a thousandth of a pixel say nothing.
+double rounded(double value) { return std::round(value * 1e6) / 1e6; }
+
+nlohmann::json histogram(const slam::MismatchFilterReport& report) {
+  if (report.bins.empty()) return nullptr;
+  std::vector<int> kept, removed;
+  for (const auto& bin : report.bins) {
+    kept.push_back(bin.kept);
+    removed.push_back(bin.removed);
+  }
+  const auto& first = report.bins.front();
+  return {{"from", rounded(first.from)},
+          {"width", rounded(first.to - first.from)},
+          {"kept", kept},
+          {"removed", removed}};
+}
+
+}  // namespace
+
+const char* name_of(slam::TrackingState state) {
+  switch (state) {
+    case slam::TrackingState::initialising:
+      return "initialising";
+    case slam::TrackingState::tracking:
+      return "tracking";
+    case slam::TrackingState::occluded:
+      return "occluded";
+    case slam::TrackingState::lost:
+      break;
+  }
+  return "lost";
+}
+
+nlohmann::json frames_report(const slam::Slam& slam) {
+  nlohmann::json json;
+  for (const char* key : {"index", "timestamp", "state", "ms", "features", "stereo_features",
+                          "movable_features", "covered_share", "matches", "inliers", "keyframe", "filter"}) {
+    json[key] = nlohmann::json::array();
+  }
+  const auto& results = slam.results();
+  const auto stage = slam.timer().stages().find("frame");
+  const slam::Trajectory trajectory = slam.trajectory();
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const slam::FrameResult& r = results[i];
+    json["index"].push_back(r.index);
+    json["timestamp"].push_back(trajectory[i].timestamp);
+    json["state"].push_back(name_of(r.tracking.state));
+    json["ms"].push_back(stage != slam.timer().stages().end() ? rounded(stage->second[i]) : 0.0);
+    json["features"].push_back(r.features);
+    json["stereo_features"].push_back(r.stereo_features);
+    json["movable_features"].push_back(r.movable_features);
+    json["covered_share"].push_back(rounded(r.covered_share));
+    json["matches"].push_back(r.tracking.frame_matches);
+    json["inliers"].push_back(r.tracking.map_inliers);
+    json["keyframe"].push_back(r.keyframe);
+    json["filter"].push_back(histogram(r.tracking.filter));
+  }
+  return json;
+}
+
+}  // namespace penumbra::apps

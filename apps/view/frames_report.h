@@ -1,0 +1,18 @@
+// frames.json: what happened frame by frame; `penumbra report` draws it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "slam/pipeline/slam.h"
+
+namespace penumbra::apps {
+
+const char* name_of(slam::TrackingState state);
+
+// One array a quantity, one entry a frame: index, timestamp (s), state, ms, features, stereo_features,
+// movable_features, matches, inliers, keyframe, and filter: the mismatch filter's histogram as {from, width
+// (pixels moved, or from where the compensated filter expects them), kept [a bin], removed [a bin]}, null
+// where it did not run.
+nlohmann::json frames_report(const slam::Slam& slam);
+
+}  // namespace penumbra::apps

@@ -1,0 +1,52 @@
+#include "apps/view/keyframe_gallery.h"
+
+#include <fmt/core.h>
+
+#include <map>
+#include <string>
+#include <system_error>
+
+#include "apps/view/frame_picture.h"
+#include "nn/base/error.h"
+#include "nn/image/image_file.h"
+
+namespace penumbra::apps {
+
+void clear_keyframe_gallery(const std::filesystem::path& folder) {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string name = entry.path().stem().string();
+    const bool is_picture = name.size() >= 6 && name.find_first_not_of("0123456789") == name.npos;
+    if (is_picture && entry.path().extension() == ".jpg") std::filesystem::remove(entry.path());
+  }
+}
+
+void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
+                            const slam::Slam& slam, int most) {
+  clear_keyframe_gallery(folder);
+  std::filesystem::create_directories(folder);
+  std::map<int, int> row_of;  // frame number -> place in the dataset
+  for (std::size_t i = 0; i < slam.results().size(); ++i)
+    row_of[slam.results()[i].index] = static_cast<int>(i);
+  const auto& keyframes = slam.map().keyframes();
+  const int count = static_cast<int>(keyframes.size()), shown = std::min(count, most);
+  for (int n = 0; n < shown; ++n) {
+    const slam::KeyFrame& keyframe =
+        *keyframes[static_cast<std::size_t>(n) * static_cast<std::size_t>(count) /
+                   static_cast<std::size_t>(shown)];
+    const auto row = row_of.find(keyframe.frame_index);
+    if (row == row_of.end() || slam.is_loaded(keyframe)) continue;
+    const auto seen = slam.sightings().find(keyframe.frame_index);
+    const auto sightings =
+        seen != slam.sightings().end() ? seen->second : std::vector<slam::InstanceSighting>{};
+    try {
+      nn::write_image(folder / fmt::format("{:06d}.jpg", keyframe.frame_index),
+                      draw_frame(dataset.load(row->second).left,
+                                 slam::frame_view(*keyframe.features, keyframe.points, sightings)));
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+}
+
+}  // namespace penumbra::apps

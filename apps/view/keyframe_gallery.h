@@ -1,0 +1,20 @@
+// Pictures of the keyframes with their features, for people to look at.
+#pragma once
+
+#include <filesystem>
+
+#include "slam/pipeline/slam.h"
+#include "slam/sources/stereo_dataset.h"
+
+namespace penumbra::apps {
+
+// Writes at most `most` keyframes, evenly spread over the run, as folder/NNNNNN.jpg (NNNNNN: the frame), as
+// apps/view/frame_picture.h draws them. What an earlier run left in `folder` is removed first. Frames that
+// can no longer be read are left out.
+void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
+                            const slam::Slam& slam, int most = 60);
+
+// Removes such pictures, and nothing else, from `folder`, which need not exist.
+void clear_keyframe_gallery(const std::filesystem::path& folder);
+
+}  // namespace penumbra::apps

@@ -1,0 +1,253 @@
+#include "apps/view/slam_report.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <shared_mutex>
+
+#include "apps/common/command_line.h"
+#include "nn/base/quantile.h"
+#include "slam/map/point_uncertainty.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+// To a thousandth: times need no more digits than a clock has.
+double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
+
+nlohmann::json settings_json(const SlamRun& run, const slam::SlamSettings& s) {
+  return {{"features", s.orb.features},
+          {"pyramid_levels", s.orb.pyramid.levels},
+          {"scale_factor", s.orb.pyramid.scale_factor},
+          {"mismatch_filter", slam::name_of(s.tracker.mismatch_filter.mode)},
+          {"segmentation", run.segmentation},
+          {"moving", s.semantics.instances.check_motion ? "geometry" : "class"},
+          {"movers", s.tracker.rigid_mover.enabled},
+          {"constellation", s.loops.verifier.constellation.enabled},
+          {"self_calibration", s.full_bundle.disparity_offset_sigma > 0.0},
+          {"threads", s.threads},
+          {"deterministic", s.deterministic},
+          {"localise", s.localise},
+          {"least_similarity", s.tracker.keyframes.least_similarity},
+          {"least_sharpness", s.tracker.least_sharpness},
+          {"local_bundle_window", s.mapper.bundle.window}};
+}
+
+nlohmann::json ground_truth_json(const slam::Evaluation& e) {
+  nlohmann::json json = {{"ape_rmse_m", e.ape.rmse}, {"path_m", e.kitti.path_length}};
+  std::vector<double> lengths;
+  for (const slam::SegmentDrift& drift : e.kitti.by_length) lengths.push_back(drift.length);
+  json["segments_m"] = lengths;
+  if (e.kitti.overall.count > 0) {
+    json["t_rel_percent"] = e.kitti.overall.translation;
+    json["r_rel_deg_per_100m"] = e.kitti.overall.rotation;
+  }
+  return json;
+}
+
+const char* name_of(slam::MotionState state) {
+  switch (state) {
+    case slam::MotionState::fixed:
+      return "fixed";
+    case slam::MotionState::still:
+      return "still";
+    case slam::MotionState::moving:
+      break;
+  }
+  return "moving";
+}
+
+nlohmann::json instances_json(const slam::Slam& slam) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const slam::TrackedInstance& instance : slam.instances()) {
+    list.push_back(
+        {{"id", instance.id},
+         {"class", instance.class_name},
+         {"score", rounded(instance.score)},
+         {"detections", instance.detections},
+         {"first_frame", instance.first_frame},
+         {"last_frame", instance.last_frame},
+         {"state", name_of(instance.state())},
+         {"moving_probability", rounded(instance.moving_probability())},
+         {"speed_mps", rounded(instance.velocity.norm())},
+         {"size_m", {rounded(instance.size.x()), rounded(instance.size.y()), rounded(instance.size.z())}},
+         {"visible_share", rounded(instance.visible_share)}});
+  }
+  return list;
+}
+
+nlohmann::json loop_closures_json(const std::vector<slam::ClosedLoop>& loops) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::ClosedLoop& loop : loops) {
+    json.push_back({{"frame", loop.frame},
+                    {"earlier_frame", loop.earlier_frame},
+                    {"points", loop.inliers},
+                    {"objects", loop.objects},
+                    {"correction_m", rounded(loop.correction_metres)},
+                    {"merged_submaps", loop.merged_submaps},
+                    {"of_loaded_map", loop.of_loaded_map}});
+  }
+  return json;
+}
+
+// [frame, earlier frame, points, objects]
+nlohmann::json recognised_json(const std::vector<slam::RecognisedPlace>& places) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::RecognisedPlace& place : places) {
+    if (place.of_loaded_map) continue;
+    json.push_back({place.frame, place.earlier_frame, place.inliers, place.objects});
+  }
+  return json;
+}
+
+nlohmann::json submaps_json(const std::vector<slam::SubmapSummary>& submaps) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::SubmapSummary& submap : submaps) {
+    json.push_back({{"submap", submap.submap},
+                    {"first_frame", submap.first_frame},
+                    {"last_frame", submap.last_frame},
+                    {"frames", submap.frames},
+                    {"keyframes", submap.keyframes}});
+  }
+  return json;
+}
+
+// What the map holds, read while its worker may go on.
+struct MapSummary {
+  int points = 0, uncertain_points = 0;
+  double disparity_offset = 0.0;  // pixels
+  std::size_t keyframes = 0;      // those of a loaded map included
+  std::vector<int> keyframe_frames;
+  nlohmann::json covisibility = nlohmann::json::array();
+};
+
+MapSummary summary_of(const slam::Slam& slam) {
+  MapSummary summary;
+  const slam::Map& map = slam.map();
+  const std::shared_lock lock(map.mutex());
+  for (const auto& point : map.points()) {
+    if (point->erased) continue;
+    ++summary.points;
+    summary.uncertain_points += slam::is_mostly_uncertain(*point, map.camera(), map.scales());
+  }
+  summary.disparity_offset = map.camera().disparity_offset;
+  summary.keyframes = map.keyframes().size();
+  for (const slam::KeyFrame* keyframe : map.keyframes()) {
+    if (!slam.is_loaded(*keyframe)) summary.keyframe_frames.push_back(keyframe->frame_index);
+    for (const slam::Covisible& c : keyframe->covisibles) {
+      if (c.keyframe->id >= keyframe->id || slam.is_loaded(*c.keyframe)) continue;
+      summary.covisibility.push_back({keyframe->frame_index, c.keyframe->frame_index, c.shared_points});
+    }
+  }
+  return summary;
+}
+
+// Along the frames that were located one after the other.
+struct Way {
+  double metres = 0.0, seconds = 0.0;
+};
+Way way_of(const slam::Slam& slam) {
+  Way way;
+  const slam::Trajectory trajectory = slam.trajectory();
+  const auto is_located = [&](std::size_t i) {
+    return slam.results()[i].tracking.state == slam::TrackingState::tracking;
+  };
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    if (!is_located(i - 1) || !is_located(i) || slam.results()[i].tracking.starts_submap) continue;
+    way.metres += (trajectory[i].T_wc.translation - trajectory[i - 1].T_wc.translation).norm();
+    way.seconds += trajectory[i].timestamp - trajectory[i - 1].timestamp;
+  }
+  return way;
+}
+
+}  // namespace
+
+nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,
+                             const slam::LoopCloserSettings& settings) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const slam::ClosedLoop& loop : loops) {
+    // A piece that was merged soon after the way was lost is no loop.
+    const bool is_revisit = loop.frame - loop.earlier_frame >= settings.fewest_frames_apart;
+    if (is_revisit && !loop.of_loaded_map) json.push_back({loop.frame, loop.earlier_frame});
+  }
+  return json;
+}
+
+nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
+  int filter_kept = 0, filter_removed = 0, movable_features = 0;
+  std::vector<int> lost_frames, occluded_frames;
+  for (const slam::FrameResult& result : slam.results()) {
+    filter_kept += result.tracking.filter.kept;
+    filter_removed += result.tracking.filter.removed;
+    movable_features += result.movable_features;
+    if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
+    if (result.tracking.state == slam::TrackingState::occluded) occluded_frames.push_back(result.index);
+  }
+  const MapSummary map = summary_of(slam);
+  const Way way = way_of(slam);
+
+  nlohmann::json json;
+  json["dataset"] = run.dataset;
+  json["command"] = command_line();
+  json["version"] = kVersion;
+  if (!run.finished) json["unfinished"] = true;
+  if (!run.error.empty()) json["error"] = run.error;
+  json["warnings"] = run.warnings;
+  if (!run.why_lost.empty()) json["why_lost"] = run.why_lost;
+  json["settings"] = settings_json(run, slam.settings());
+  json["frames"] = slam.results().size();
+  json["tracked"] = slam.tracked();
+  json["lost"] = slam.lost();
+  json["lost_frames"] = lost_frames;
+  json["unreadable_frames"] = run.unreadable_frames;
+  json["path_m"] = rounded(way.metres);
+  json["mean_speed_mps"] = rounded(way.seconds > 0.0 ? way.metres / way.seconds : 0.0);
+  json["median_depth_m"] = rounded(run.median_depth);
+  json["keyframes"] = map.keyframe_frames.size();
+  json["loaded_keyframes"] = map.keyframes - map.keyframe_frames.size();
+  json["map_points"] = map.points;
+  json["uncertain_points"] = map.uncertain_points;
+  json["disparity_offset_px"] = rounded(map.disparity_offset);
+  json["movable_features"] = movable_features;
+  json["occluded_frames"] = occluded_frames;
+  json["instances"] = instances_json(slam);
+  if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
+  const double frames = static_cast<double>(std::max<std::size_t>(slam.results().size(), 1));
+  json["cpu_ms_per_frame"] = rounded(1000.0 * run.cpu_seconds / frames);
+  json["peak_rss_mb"] = rounded(run.peak_rss_mb);
+  for (const auto& [stage, times] : slam.timer().stages()) {
+    const double median = rounded(slam::quantile_of(times, 0.5));
+    if (stage == "frame") {
+      json["median_ms"] = median;
+      json["p95_ms"] = rounded(slam::quantile_of(times, 0.95));
+    } else {
+      json["stages"][stage] = median;
+    }
+  }
+  json["mismatch_filter"] = {{"kept", filter_kept}, {"removed", filter_removed}};
+  if (run.evaluation) json["ground_truth"] = ground_truth_json(*run.evaluation);
+  const std::vector<slam::ClosedLoop> loops = slam.loops();
+  json["loops"] = revisits_json(loops, slam.settings().loops);
+  json["loop_closures"] = loop_closures_json(loops);
+  json["recognised_places"] = recognised_json(slam.recognised_places());
+  json["submaps"] = submaps_json(slam.submaps());
+  json["keyframe_frames"] = map.keyframe_frames;
+  json["covisibility"] = map.covisibility;
+  return json;
+}
+
+std::string to_text(const nlohmann::json& report) {
+  std::string text;
+  for (const auto& [key, value] : report.items()) {
+    std::string entry = value.is_object() ? value.dump(2) : value.dump();
+    for (std::size_t at = entry.find('\n'); at != std::string::npos; at = entry.find('\n', at + 1)) {
+      entry.insert(at + 1, "  ");
+    }
+    text += fmt::format("{}  \"{}\": {}", text.empty() ? "{\n" : ",\n", key, entry);
+  }
+  return text + "\n}\n";
+}
+
+}  // namespace penumbra::apps

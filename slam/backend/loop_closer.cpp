@@ -1,0 +1,170 @@
+#include "slam/backend/loop_closer.h"
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+#include <shared_mutex>
+
+namespace penumbra::slam {
+
+namespace {
+
+Eigen::Vector3d centre(const SE3& T_cw) { return T_cw.inverse().translation; }
+
+// The keyframe, those covisible with it, and those covisible with these.
+std::set<int> ids_around(const KeyFrame& keyframe) {
+  std::set<int> ids = {keyframe.id};
+  for (const Covisible& near : keyframe.covisibles) {
+    ids.insert(near.keyframe->id);
+    for (const Covisible& next : near.keyframe->covisibles) ids.insert(next.keyframe->id);
+  }
+  return ids;
+}
+
+}  // namespace
+
+std::optional<ClosedLoop> LoopCloser::process(KeyFrame* keyframe) {
+  {
+    const std::unique_lock lock(map_.mutex());
+    remember_older_keyframes(keyframe);
+  }
+  std::optional<VerifiedPlace> place;
+  if (settings_.enabled) {
+    const std::shared_lock lock(map_.mutex());
+    place = recognise(*keyframe);
+  }
+  std::optional<ClosedLoop> closed;
+  if (place) {
+    const std::unique_lock lock(map_.mutex());
+    const Sighting sighting{keyframe, place->T_cw};
+    recognised_.push_back({keyframe->frame_index, place->keyframe->frame_index, place->inliers,
+                           place->objects, place->keyframe->id < first_own_});
+    if (settings_.corrects && keyframe->id - last_loop_ > settings_.pause && is_consistent(sighting)) {
+      close(keyframe, *place);
+      closed = loops_.back();
+    } else {
+      sightings_.push_back(sighting);
+    }
+  }
+  waiting_.push_back(keyframe);
+  return closed;
+}
+
+void LoopCloser::adopt_map() {
+  const std::unique_lock lock(map_.mutex());
+  index_.insert_all(map_);
+  for (const KeyFrame* keyframe : map_.keyframes()) measure_way(keyframe);
+  first_own_ = static_cast<int>(travelled_.size());
+}
+
+void LoopCloser::measure_way(const KeyFrame* newest) {
+  const std::size_t id = static_cast<std::size_t>(newest->id);
+  if (travelled_.size() <= id) travelled_.resize(id + 1, 0.0);
+  if (last_keyframe_ != nullptr) {
+    travelled_[id] = travelled_[static_cast<std::size_t>(last_keyframe_->id)] +
+                     (centre(newest->T_cw) - centre(current_pose(*last_keyframe_))).norm();
+  }
+  last_keyframe_ = newest;
+}
+
+// Keyframes enter the index when the camera has gone on: the newest would only be found as their own
+// neighbours, and many of them are still removed as redundant.
+void LoopCloser::remember_older_keyframes(const KeyFrame* newest) {
+  index_.remove_erased();
+  while (static_cast<int>(waiting_.size()) > settings_.age ||
+         (!waiting_.empty() && waiting_.front()->submap != newest->submap)) {
+    index_.insert(waiting_.front());
+    waiting_.pop_front();
+  }
+  measure_way(newest);
+  while (!sightings_.empty() && newest->id - sightings_.front().keyframe->id >= settings_.window) {
+    sightings_.pop_front();
+  }
+}
+
+// The best verified place that is a revisit, if there is one.
+std::optional<VerifiedPlace> LoopCloser::recognise(const KeyFrame& keyframe) const {
+  const std::set<int> around = ids_around(keyframe);
+  const auto excluded = [&](const KeyFrame& other) { return around.count(other.id) > 0; };
+  const Constellation objects = constellation_around(keyframe, settings_.verifier.constellation.neighbours);
+  std::optional<VerifiedPlace> best;
+  for (const PlaceCandidate& candidate : index_.query(*keyframe.features, settings_.candidates, excluded)) {
+    std::optional<VerifiedPlace> place =
+        verify_place(map_, *keyframe.features, candidate.keyframe,
+                     static_cast<std::uint64_t>(keyframe.frame_index), settings_.verifier, objects);
+    if (!place || (best && place->inliers <= best->inliers)) continue;
+    KeyFrame* nearest = revisited(keyframe, *place);
+    if (nearest == nullptr || around.count(nearest->id) > 0) continue;
+    place->keyframe = nearest;
+    if (drift_explains(keyframe, *place)) best = std::move(place);
+  }
+  return best;
+}
+
+// The keyframe of the place that was nearest to where this one was taken; nullptr where none was near enough
+// or it was not long enough ago.
+KeyFrame* LoopCloser::revisited(const KeyFrame& keyframe, const VerifiedPlace& place) const {
+  std::vector<KeyFrame*> there = {place.keyframe};
+  for (const Covisible& c : place.keyframe->covisibles) there.push_back(c.keyframe);
+  KeyFrame* nearest = nullptr;
+  double least = settings_.largest_distance;
+  for (KeyFrame* k : there) {
+    const SE3 between = place.T_cw * k->T_cw.inverse();
+    if (between.translation.norm() > least || between.angle() > settings_.largest_turn) continue;
+    if (k->submap == keyframe.submap && k->id >= first_own_ &&
+        keyframe.frame_index - k->frame_index < settings_.fewest_frames_apart) {
+      continue;
+    }
+    least = between.translation.norm();
+    nearest = k;
+  }
+  return nearest;
+}
+
+bool LoopCloser::drift_explains(const KeyFrame& keyframe, const VerifiedPlace& place) const {
+  // Between sub-maps nothing is known.
+  if (keyframe.submap != place.keyframe->submap) return true;
+  const double way = travelled_[static_cast<std::size_t>(keyframe.id)] -
+                     travelled_[static_cast<std::size_t>(place.keyframe->id)];
+  const double moved = (centre(keyframe.T_cw) - centre(place.T_cw)).norm();
+  return moved <= settings_.drift_metres + settings_.drift_share * std::max(way, 0.0);
+}
+
+// Whether odometry says the same about two keyframes as their places do.
+bool LoopCloser::agree(const Sighting& a, const Sighting& b) const {
+  const SE3 by_odometry = current_pose(*b.keyframe) * current_pose(*a.keyframe).inverse();
+  const SE3 by_place = b.T_cw * a.T_cw.inverse();
+  const SE3 difference = by_place * by_odometry.inverse();
+  return difference.translation.norm() <= settings_.agree_metres + 0.05 * by_odometry.translation.norm() &&
+         difference.angle() <= settings_.agree_radians;
+}
+
+bool LoopCloser::is_consistent(const Sighting& newest) const {
+  int agreeing = 1;
+  double motion = 0.0;
+  for (const Sighting& sighting : sightings_) {
+    if (sighting.keyframe->submap != newest.keyframe->submap || !agree(sighting, newest)) continue;
+    ++agreeing;
+    motion = std::max(motion, (centre(sighting.T_cw) - centre(newest.T_cw)).norm());
+  }
+  return agreeing >= settings_.consistent &&
+         motion >= settings_.least_motion_baselines * map_.camera().baseline;
+}
+
+void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {
+  ClosedLoop loop;
+  loop.frame = keyframe->frame_index;
+  loop.earlier_frame = place.keyframe->frame_index;
+  loop.inliers = place.inliers;
+  loop.objects = place.objects;
+  loop.of_loaded_map = place.keyframe->id < first_own_;
+  loop.correction_metres = (centre(keyframe->T_cw) - centre(place.T_cw)).norm();
+  const MapCorrection correction = correct_map(map_, keyframe, place, edges_, settings_.correction);
+  loop.merged_submaps = correction.merged_submaps;
+  edges_.push_back({keyframe, place.keyframe, place.inliers});
+  sightings_.clear();
+  last_loop_ = keyframe->id;
+  loops_.push_back(loop);
+}
+
+}  // namespace penumbra::slam

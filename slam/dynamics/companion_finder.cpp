@@ -1,0 +1,103 @@
+#include "slam/dynamics/companion_finder.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "slam/dynamics/cluster_outline.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+constexpr double kClearlyMoved = 9.0;  // squared Mahalanobis distance: 3 sigma
+
+bool travels(const PointOrigin& from, const PointOrigin& now, double least_speed) {
+  const Eigen::Vector3d D = now.position - from.position;
+  if (D.norm() < least_speed * (now.time - from.time)) return false;
+  const Eigen::Matrix3d S = from.covariance + now.covariance;
+  return D.dot(S.ldlt().solve(D)) > kClearlyMoved;
+}
+
+}  // namespace
+
+// How little the new frame's features look like feature `i` of the past where its point is if it stands.
+// Where that is out of sight, how little the others of the past do, one of which may have come to its place.
+int CompanionFinder::distance_if_still(const Past& past, int i, const FrameFeatures& features,
+                                       const SE3& T_co) const {
+  constexpr float kRadius = 6.0F;  // pixels
+  const Descriptor& looks = past.features->descriptor(i);
+  int distance = 256;
+  const Eigen::Vector3d p = T_co * past.origins[static_cast<std::size_t>(i)].position;
+  const Eigen::Vector2d pixel = p.z() > 0.0 ? camera_.project(p) : Eigen::Vector2d(-1.0, -1.0);
+  if (camera_.in_image(pixel)) {
+    features.grid.visit_near(
+        static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), kRadius,
+        [&](int j) { distance = std::min(distance, hamming_distance(looks, features.descriptor(j))); });
+    return distance;
+  }
+  const Keypoint& k = past.features->keypoint(i);
+  for (int j = 0; j < past.features->size(); ++j) {
+    const Keypoint& other = past.features->keypoint(j);
+    if (std::max(std::abs(other.u - k.u), std::abs(other.v - k.v)) <= kRadius) continue;
+    distance = std::min(distance, hamming_distance(looks, past.features->descriptor(j)));
+  }
+  return distance;
+}
+
+// Per feature of the new frame: the point of the past frame that it shows.
+std::vector<CompanionFinder::Found> CompanionFinder::found_again(const Past& past,
+                                                                 const FrameFeatures& features,
+                                                                 const SE3& T_co) const {
+  std::vector<Found> found(static_cast<std::size_t>(features.size()));
+  std::vector<int> distance_of(found.size(), settings_.max_distance + 1);
+  for (int i = 0; i < past.features->size(); ++i) {
+    const std::size_t at = static_cast<std::size_t>(i);
+    if (!past.origins[at].known) continue;
+    const Keypoint& k = past.features->keypoint(i);
+    const double disparity = k.u - past.features->u_right[at];
+    int best = -1, distance = settings_.max_distance + 1;
+    features.grid.visit_near(k.u, k.v, settings_.search_radius, [&](int j) {
+      if (!features.has_stereo(j) || std::abs(features.keypoint(j).level - k.level) > 1) return;
+      const double other = features.keypoint(j).u - features.u_right[static_cast<std::size_t>(j)];
+      if (std::abs(other - disparity) > settings_.search_disparity) return;
+      const int d = hamming_distance(past.features->descriptor(i), features.descriptor(j));
+      if (d >= distance) return;
+      distance = d;
+      best = j;
+    });
+    if (best < 0 || distance >= distance_of[static_cast<std::size_t>(best)]) continue;
+    distance_of[static_cast<std::size_t>(best)] = distance;
+    found[static_cast<std::size_t>(best)] = {
+        past.origins[at], distance + settings_.margin <= distance_if_still(past, i, features, T_co)};
+  }
+  return found;
+}
+
+std::optional<Instance> CompanionFinder::observe(std::shared_ptr<const FrameFeatures> features,
+                                                 std::vector<PointOrigin> origins, const SE3& T_co,
+                                                 double time, bool reliable) {
+  if (!settings_.enabled) return std::nullopt;
+  if (!reliable) past_.clear();
+  while (!past_.empty() && !(time - past_.front().time < settings_.longest)) past_.pop_front();
+  while (past_.size() > 1 && time - past_[1].time >= settings_.seconds) past_.pop_front();
+  std::vector<cv::Point> travelling, standing;
+  if (!past_.empty() && time - past_.front().time >= settings_.seconds) {
+    const std::vector<Found> found = found_again(past_.front(), *features, T_co);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i].origin.known || !origins[i].known || features->movable[i] != 0) continue;
+      const Keypoint& k = features->keypoint(static_cast<int>(i));
+      const bool moves = found[i].clearly && travels(found[i].origin, origins[i], settings_.least_speed);
+      (moves ? travelling : standing).push_back({cvRound(k.u), cvRound(k.v)});
+    }
+  }
+  past_.push_back({std::move(features), std::move(origins), time});
+  if (static_cast<int>(travelling.size()) < settings_.fewest_features) return std::nullopt;
+  const cv::Size image(camera_.width, camera_.height);
+  const cv::Mat1b outline = outline_of_cluster(image, travelling, std::max(4, image.width / 18));
+  const int own = count_inside(outline, travelling), foreign = count_inside(outline, standing);
+  if (own < settings_.fewest_features || own < settings_.least_share * (own + foreign)) return std::nullopt;
+  return outlined_instance(outline, own, foreign);
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,38 @@
+#include "slam/dynamics/movable.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+
+namespace penumbra::slam {
+
+namespace {
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+}  // namespace
+
+bool is_movable_class(std::string_view class_name) {
+  static constexpr std::array<std::string_view, 26> kMovable = {
+      "person", "pedestrian", "rider", "cyclist", "bicycle",  "motorcycle", "car",   "van",    "bus",
+      "train",  "tram",       "truck", "trailer", "caravan",  "airplane",   "boat",  "bird",   "cat",
+      "dog",    "horse",      "sheep", "cow",     "elephant", "bear",       "zebra", "giraffe"};
+  return std::find(kMovable.begin(), kMovable.end(), lower_case(class_name)) != kMovable.end();
+}
+
+double moving_prior(std::string_view class_name) {
+  static constexpr std::array<std::string_view, 10> kVehicles = {
+      "bicycle", "car", "van", "bus", "train", "tram", "truck", "trailer", "caravan", "boat"};
+  if (!is_movable_class(class_name)) return -4.0;
+  const bool vehicle =
+      std::find(kVehicles.begin(), kVehicles.end(), lower_case(class_name)) != kVehicles.end();
+  return vehicle ? 0.4 : 2.0;
+}
+
+}  // namespace penumbra::slam

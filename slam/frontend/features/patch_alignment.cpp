@@ -1,0 +1,127 @@
+#include "slam/frontend/features/patch_alignment.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace penumbra::slam {
+
+namespace {
+
+constexpr int kHalf = 5, kWidth = 2 * kHalf + 1, kPixels = kWidth * kWidth;
+constexpr float kConverged = 0.01F;               // pixels
+using Window = Eigen::Matrix<float, kPixels, 1>;  // row by row
+
+// What of the patch stays the same over the iterations: values and slopes, all without their mean.
+struct Template {
+  Window value, slope_x, slope_y;
+  float variance = 0.0F;  // sum of value^2
+  Eigen::Matrix2f H = Eigen::Matrix2f::Zero();
+  Eigen::Vector2f slope_value = Eigen::Vector2f::Zero();  // sum of slope * value
+};
+
+// The patch drawn `ratio` times as large: 13 x 13 values, one more on each side for the slopes.
+constexpr int kDrawn = kWidth + 2;
+std::array<float, kDrawn * kDrawn> draw(const Patch& patch, float ratio) {
+  std::array<float, kDrawn * kDrawn> drawn;
+  std::array<int, kDrawn> whole;
+  std::array<float, kDrawn> share;
+  for (int i = 0; i < kDrawn; ++i) {
+    const float at = static_cast<float>(Patch::kHalf) + static_cast<float>(i - kHalf - 1) / ratio;
+    const std::size_t k = static_cast<std::size_t>(i);
+    whole[k] = std::min(static_cast<int>(at), Patch::kWidth - 2);
+    share[k] = at - static_cast<float>(whole[k]);
+  }
+  std::size_t n = 0;
+  for (std::size_t y = 0; y < kDrawn; ++y) {
+    const std::uint8_t* upper = patch.pixels.data() + whole[y] * Patch::kWidth;
+    const std::uint8_t* lower = upper + Patch::kWidth;
+    for (std::size_t x = 0; x < kDrawn; ++x, ++n) {
+      const int c = whole[x];
+      const float u = static_cast<float>(upper[c]) + share[x] * static_cast<float>(upper[c + 1] - upper[c]);
+      const float l = static_cast<float>(lower[c]) + share[x] * static_cast<float>(lower[c + 1] - lower[c]);
+      drawn[n] = u + share[y] * (l - u);
+    }
+  }
+  return drawn;
+}
+
+Template make_template(const Patch& patch, float ratio) {
+  const auto drawn = draw(patch, ratio);
+  Template t;
+  int n = 0;
+  for (int y = 0; y < kWidth; ++y) {
+    const float* row = drawn.data() + (y + 1) * kDrawn + 1;
+    for (int x = 0; x < kWidth; ++x, ++n) {
+      t.value[n] = row[x];
+      t.slope_x[n] = 0.5F * (row[x + 1] - row[x - 1]);
+      t.slope_y[n] = 0.5F * (row[x + kDrawn] - row[x - kDrawn]);
+    }
+  }
+  for (Window* window : {&t.value, &t.slope_x, &t.slope_y}) window->array() -= window->mean();
+  t.variance = t.value.squaredNorm();
+  const float xy = t.slope_x.dot(t.slope_y);
+  t.H << t.slope_x.squaredNorm(), xy, xy, t.slope_y.squaredNorm();
+  t.slope_value << t.slope_x.dot(t.value), t.slope_y.dot(t.value);
+  return t;
+}
+
+float smaller_eigenvalue(const Eigen::Matrix2f& H) {
+  const float half_trace = 0.5F * H.trace();
+  return half_trace - std::sqrt(std::max(0.0F, half_trace * half_trace - H.determinant()));
+}
+
+// The image's values around p, bilinear.
+void sample(const cv::Mat& image, const Eigen::Vector2f& p, Window& window) {
+  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
+  const float a = p.x() - static_cast<float>(x), b = p.y() - static_cast<float>(y);
+  const float w00 = (1.0F - a) * (1.0F - b), w01 = a * (1.0F - b), w10 = (1.0F - a) * b, w11 = a * b;
+  float* out = window.data();
+  for (int dy = -kHalf; dy <= kHalf; ++dy, out += kWidth) {
+    const std::uint8_t* upper = image.ptr<std::uint8_t>(y + dy) + x - kHalf;
+    const std::uint8_t* lower = image.ptr<std::uint8_t>(y + dy + 1) + x - kHalf;
+    for (int i = 0; i < kWidth; ++i) {
+      out[i] = w00 * static_cast<float>(upper[i]) + w01 * static_cast<float>(upper[i + 1]) +
+               w10 * static_cast<float>(lower[i]) + w11 * static_cast<float>(lower[i + 1]);
+    }
+  }
+}
+
+bool window_inside(const cv::Mat& image, const Eigen::Vector2f& p) {
+  return p.x() >= kHalf && p.y() >= kHalf && p.x() + kHalf + 1 < static_cast<float>(image.cols) &&
+         p.y() + kHalf + 1 < static_cast<float>(image.rows);
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2f> align_patch(const Patch& patch, float ratio, const cv::Mat& image,
+                                           const Eigen::Vector2f& start,
+                                           const PatchAlignmentSettings& settings) {
+  if (patch.empty() || !(ratio >= kSmallestPatchRatio && ratio <= kLargestPatchRatio)) return std::nullopt;
+  const Template t = make_template(patch, ratio);
+  if (smaller_eigenvalue(t.H) < settings.least_curvature * kPixels) return std::nullopt;
+  const Eigen::Matrix2f H_inverse = t.H.inverse();
+
+  Eigen::Vector2f p = start;
+  Window seen;
+  float correlation = 0.0F;
+  for (int iteration = 0; iteration < settings.iterations; ++iteration) {
+    if (!window_inside(image, p)) return std::nullopt;  // also where p is not a number
+    sample(image, p, seen);
+    // The template has no mean: that of the image drops out of the products with it.
+    const float variance = seen.squaredNorm() - seen.sum() * seen.mean();
+    if (!(variance > 0.0F)) return std::nullopt;
+    correlation = seen.dot(t.value) / std::sqrt(variance * t.variance);
+    const float kappa = std::sqrt(t.variance / variance);
+    const Eigen::Vector2f slope_seen(seen.dot(t.slope_x), seen.dot(t.slope_y));
+    const Eigen::Vector2f step = -H_inverse * (kappa * slope_seen - t.slope_value);
+    p += step;
+    if (!((p - start).squaredNorm() <= settings.farthest * settings.farthest)) return std::nullopt;
+    if (step.squaredNorm() < kConverged * kConverged) break;
+  }
+  if (correlation < settings.least_correlation) return std::nullopt;
+  return p;
+}
+
+}  // namespace penumbra::slam

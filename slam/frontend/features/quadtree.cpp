@@ -1,0 +1,94 @@
+#include "slam/frontend/features/quadtree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <queue>
+
+namespace penumbra::slam {
+
+namespace {
+
+struct Node {
+  cv::Rect2f region;
+  int begin, end;  // its corners in the array, which is kept sorted by node
+  int depth;
+
+  int size() const { return end - begin; }
+};
+
+// Corners at one and the same place cannot be separated: splitting ends here.
+constexpr int kDeepest = 16;
+
+// The four quarters of a node that hold corners; reorders the node's part of the array, stably.
+std::array<Node, 4> split(const Node& node, std::vector<cv::KeyPoint>& corners) {
+  const float x = node.region.x + node.region.width / 2, y = node.region.y + node.region.height / 2;
+  const auto begin = corners.begin();
+  const auto left = [x](const cv::KeyPoint& c) { return c.pt.x < x; };
+  const auto upper = [y](const cv::KeyPoint& c) { return c.pt.y < y; };
+  const auto row = std::stable_partition(begin + node.begin, begin + node.end, upper);
+  const auto upper_column = std::stable_partition(begin + node.begin, row, left);
+  const auto lower_column = std::stable_partition(row, begin + node.end, left);
+  const int r = static_cast<int>(row - begin);
+  const float w = node.region.width / 2, h = node.region.height / 2;
+  return {Node{{node.region.x, node.region.y, w, h}, node.begin, int(upper_column - begin), node.depth + 1},
+          Node{{x, node.region.y, w, h}, int(upper_column - begin), r, node.depth + 1},
+          Node{{node.region.x, y, w, h}, r, int(lower_column - begin), node.depth + 1},
+          Node{{x, y, w, h}, int(lower_column - begin), node.end, node.depth + 1}};
+}
+
+}  // namespace
+
+std::vector<cv::KeyPoint> spread_corners(std::vector<cv::KeyPoint> corners, const cv::Rect2f& region,
+                                         int wanted) {
+  if (wanted <= 0 || corners.empty()) return {};
+  if (static_cast<int>(corners.size()) <= wanted) return corners;
+
+  // Start from squares side by side, so that the regions keep the shape of a square.
+  const int columns = std::max(1, static_cast<int>(std::lround(region.width / region.height)));
+  const float width = region.width / static_cast<float>(columns);
+  const auto column_of = [&](const cv::KeyPoint& c) {
+    return std::clamp(static_cast<int>((c.pt.x - region.x) / width), 0, columns - 1);
+  };
+  std::stable_sort(corners.begin(), corners.end(),
+                   [&](const cv::KeyPoint& a, const cv::KeyPoint& b) { return column_of(a) < column_of(b); });
+
+  const auto fewer = [](const Node& a, const Node& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a.begin > b.begin;
+  };
+  std::priority_queue<Node, std::vector<Node>, decltype(fewer)> open(fewer);
+  std::vector<Node> leaves;
+  const auto add = [&](const Node& node) {
+    if (node.size() == 0) return;
+    if (node.size() == 1 || node.depth >= kDeepest) {
+      leaves.push_back(node);
+    } else {
+      open.push(node);
+    }
+  };
+  int begin = 0;
+  for (int c = 0; c < columns; ++c) {
+    int end = begin;
+    while (end < static_cast<int>(corners.size()) && column_of(corners[static_cast<std::size_t>(end)]) == c)
+      ++end;
+    add({{region.x + static_cast<float>(c) * width, region.y, width, region.height}, begin, end, 0});
+    begin = end;
+  }
+  while (!open.empty() && static_cast<int>(leaves.size() + open.size()) < wanted) {
+    const Node node = open.top();
+    open.pop();
+    for (const Node& quarter : split(node, corners)) add(quarter);
+  }
+  for (; !open.empty(); open.pop()) leaves.push_back(open.top());
+
+  std::vector<cv::KeyPoint> kept;
+  kept.reserve(leaves.size());
+  for (const Node& leaf : leaves) {
+    kept.push_back(*std::max_element(
+        corners.begin() + leaf.begin, corners.begin() + leaf.end,
+        [](const cv::KeyPoint& a, const cv::KeyPoint& b) { return a.response < b.response; }));
+  }
+  return kept;
+}
+
+}  // namespace penumbra::slam

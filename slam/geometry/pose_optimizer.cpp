@@ -1,0 +1,154 @@
+#include "slam/geometry/pose_optimizer.h"
+
+#include <Eigen/Cholesky>
+#include <limits>
+
+namespace penumbra::slam {
+
+namespace {
+
+constexpr int kPoseRounds = 3;
+constexpr int kIterations = 8;       // at most, per round
+constexpr double kConverged = 1e-5;  // relative decrease of the cost that ends a round
+constexpr double kNearest = 0.05;    // metres in front of the camera
+constexpr double kMaxLambda = 1e6;
+
+struct NormalEquations {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+  double cost = 0.0;
+};
+
+class Problem {
+ public:
+  Problem(const StereoCamera& camera, std::span<const PoseObservation> observations,
+          const std::optional<PosePrior>& prior)
+      : camera_(camera), observations_(observations), prior_(prior), inlier_(observations.size(), 1) {
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      const PoseObservation& o = observations[i];
+      usable_.push_back(o.point.allFinite() && o.measurement.pixel.allFinite());
+      inlier_[i] = usable_.back();
+    }
+  }
+
+  // Cost over the inliers, and with `derivatives` their normal equations.
+  NormalEquations evaluate(const SE3& T_cw, bool robust, bool derivatives) const {
+    NormalEquations n;
+    if (prior_) add_prior(T_cw, n);
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      if (!inlier_[i]) continue;
+      const PixelMeasurement& z = observations_[i].measurement;
+      const Eigen::Vector3d p = T_cw * observations_[i].point;
+      const double bound = robust ? z.gate() : std::numeric_limits<double>::infinity();
+      if (p.z() < kNearest) {  // a constant cost, so that moving points behind the camera is no way out
+        n.cost += 100.0 * z.gate();
+        continue;
+      }
+      const Eigen::Vector3d e = reprojection_error(camera_, p, z);
+      const Huber h = huber(e.squaredNorm() * z.inverse_variance, bound);
+      n.cost += h.cost;
+      if (!derivatives) continue;
+      const Eigen::Matrix<double, 3, 6> J = pose_jacobian(projection_jacobian(camera_, p, z.stereo), p);
+      const double weight = h.weight * z.inverse_variance;
+      n.H.noalias() += weight * J.transpose() * J;
+      n.g.noalias() += weight * J.transpose() * e;
+    }
+    return n;
+  }
+
+  void minimise(SE3& T_cw, bool robust) const {
+    double lambda = 1e-6;
+    NormalEquations at = evaluate(T_cw, robust, true);
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+      Matrix6d damped = at.H;
+      damped.diagonal() *= 1.0 + lambda;
+      damped.diagonal().array() += 1e-9;
+      const Vector6d step = -damped.ldlt().solve(at.g);
+      if (!step.allFinite()) return;
+      SE3 moved = SE3::exp(step) * T_cw;
+      NormalEquations there = evaluate(moved, robust, true);
+      if (there.cost <= at.cost) {
+        const bool converged = at.cost - there.cost <= kConverged * at.cost;
+        T_cw = moved;
+        at = there;
+        lambda = std::max(lambda * 0.1, 1e-9);
+        if (converged) return;
+      } else {
+        lambda *= 100.0;
+        if (lambda > kMaxLambda) return;
+      }
+    }
+  }
+
+  // Sorts the observations into inliers and outliers at pose `T_cw`.
+  int classify(const SE3& T_cw) {
+    int count = 0;
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      inlier_[i] = 0;
+      if (!usable_[i]) continue;
+      const PixelMeasurement& z = observations_[i].measurement;
+      const Eigen::Vector3d p = T_cw * observations_[i].point;
+      if (p.z() < kNearest) continue;
+      inlier_[i] = reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
+      count += inlier_[i];
+    }
+    return count;
+  }
+
+  // Only these take part, until classify() is called.
+  void begin_with(const std::vector<char>& inlier) {
+    for (std::size_t i = 0; i < inlier_.size(); ++i) inlier_[i] = usable_[i] && inlier[i];
+  }
+  std::vector<char> inlier() const { return inlier_; }
+
+ private:
+  void add_prior(const SE3& T_cw, NormalEquations& n) const {
+    const Vector6d e = (T_cw * prior_->T_cw.inverse()).log();
+    Vector6d weight;
+    weight.head<3>().setConstant(1.0 / (prior_->metres * prior_->metres));
+    weight.tail<3>().setConstant(1.0 / (prior_->radians * prior_->radians));
+    // The derivative of the logarithm is close to one for the small motions that a prior allows.
+    n.cost += e.dot(weight.cwiseProduct(e));
+    n.H.diagonal() += weight;
+    n.g += weight.cwiseProduct(e);
+  }
+
+  const StereoCamera& camera_;
+  std::span<const PoseObservation> observations_;
+  const std::optional<PosePrior>& prior_;
+  std::vector<char> usable_, inlier_;
+};
+
+PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
+                      std::span<const PoseObservation> observations, const std::optional<PosePrior>& prior,
+                      const std::vector<char>* begin_with) {
+  const PoseEstimate failed{initial, std::vector<char>(observations.size(), 0), 0};
+  if (observations.size() < 3 || !initial.is_finite()) return failed;
+  Problem problem(camera, observations, prior);
+  if (begin_with != nullptr) problem.begin_with(*begin_with);
+  SE3 T_cw = initial;
+  int inliers = 0;
+  for (int round = 0; round < kPoseRounds; ++round) {
+    problem.minimise(T_cw, round + 1 < kPoseRounds);
+    inliers = problem.classify(T_cw);
+    if (inliers < 3) return failed;
+  }
+  T_cw.normalize();
+  if (!T_cw.is_finite()) return failed;
+  return {T_cw, problem.inlier(), inliers};
+}
+
+}  // namespace
+
+PoseEstimate optimize_pose(const StereoCamera& camera, const SE3& initial,
+                           std::span<const PoseObservation> observations,
+                           const std::optional<PosePrior>& prior) {
+  return optimize(camera, initial, observations, prior, nullptr);
+}
+
+PoseEstimate optimize_pose(const StereoCamera& camera, const PnpResult& initial,
+                           std::span<const PoseObservation> observations) {
+  return optimize(camera, initial.T_cw, observations, std::nullopt, &initial.inlier);
+}
+
+}  // namespace penumbra::slam

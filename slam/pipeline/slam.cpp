@@ -1,0 +1,384 @@
+#include "slam/pipeline/slam.h"
+
+#include <cmath>
+#include <future>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <shared_mutex>
+
+#include "nn/base/error.h"
+#include "nn/base/quantile.h"
+#include "slam/frontend/features/depth_measurement.h"
+#include "slam/frontend/features/grey_image.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+const StereoCamera& checked(const StereoCamera& camera) {
+  const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
+  if (!positive(camera.fx) || !positive(camera.fy) || !positive(camera.baseline) ||
+      !std::isfinite(camera.cx) || !std::isfinite(camera.cy) || camera.width <= 0 || camera.height <= 0) {
+    throw InputError("stereo camera", "focal lengths, baseline and image size above zero",
+                     fmt::format("fx {} fy {} cx {} cy {} baseline {} size {}x{}", camera.fx, camera.fy,
+                                 camera.cx, camera.cy, camera.baseline, camera.width, camera.height));
+  }
+  return camera;
+}
+
+void check_image(const cv::Mat& image, const StereoCamera& camera, int index, const char* side) {
+  if (image.cols == camera.width && image.rows == camera.height && image.depth() == CV_8U &&
+      (image.channels() == 1 || image.channels() == 3)) {
+    return;
+  }
+  throw InputError(fmt::format("frame {}, {} image", index, side),
+                   fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
+                   fmt::format("{}x{} with {} channels, depth code {}", image.cols, image.rows,
+                               image.channels(), image.depth()));
+}
+
+void check_depth(const cv::Mat& depth, const StereoCamera& camera, int index) {
+  if (depth.cols == camera.width && depth.rows == camera.height && depth.type() == CV_32FC1) return;
+  throw InputError(fmt::format("frame {}, depth", index),
+                   fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
+                   fmt::format("{}x{} of type {}", depth.cols, depth.rows, depth.type()));
+}
+
+// Colour of the image at each keypoint.
+std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
+                                                    const std::vector<Keypoint>& keypoints) {
+  std::vector<std::array<std::uint8_t, 3>> colours;
+  colours.reserve(keypoints.size());
+  for (const Keypoint& k : keypoints) {
+    const int x = static_cast<int>(std::lround(k.u)), y = static_cast<int>(std::lround(k.v));
+    if (image.channels() == 3) {
+      const cv::Vec3b c = image.at<cv::Vec3b>(y, x);
+      colours.push_back({c[0], c[1], c[2]});
+    } else {
+      const std::uint8_t grey = image.at<std::uint8_t>(y, x);
+      colours.push_back({grey, grey, grey});
+    }
+  }
+  return colours;
+}
+
+// Metres, of the features that have a depth; 0 where none has.
+double median_depth(const FrameFeatures& features) {
+  std::vector<double> depths;
+  for (int i = 0; i < features.size(); ++i) {
+    if (features.has_stereo(i)) depths.push_back(features.depth[static_cast<std::size_t>(i)]);
+  }
+  return quantile_of(std::move(depths), 0.5);
+}
+
+// Sightings are kept for every keyframe, so their masks are kept small.
+std::vector<InstanceSighting> shrunk(std::vector<InstanceSighting> sightings) {
+  constexpr double kLongestSide = 64.0;  // pixels
+  for (InstanceSighting& seen : sightings) {
+    const double scale = kLongestSide / std::max(seen.mask.cols, seen.mask.rows);
+    if (scale >= 1.0) continue;
+    const cv::Size size(std::max(1, cvRound(scale * seen.mask.cols)),
+                        std::max(1, cvRound(scale * seen.mask.rows)));
+    cv::Mat1b small;
+    cv::resize(seen.mask, small, size, 0, 0, cv::INTER_NEAREST);
+    seen.mask = small;
+  }
+  return sightings;
+}
+
+// What follows from the sensor, the camera and other settings, for every caller.
+SlamSettings derived(SlamSettings settings, Sensor sensor, const StereoCamera& camera) {
+  const double close = close_depth(camera, settings.mapper.point_creation);
+  settings.tracker.keyframes.close_depth = settings.semantics.instances.close_depth = close;
+  settings.tracker.extends_map = !settings.localise;
+  // Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
+  const int threads = std::max(1, settings.deterministic ? settings.threads : settings.threads - 1);
+  settings.mapper.bundle.threads = settings.full_bundle.threads = threads;
+  // Beside the tracker, with as many threads as processors, those would wait for each other.
+  if (settings.semantics.threads == 0) settings.semantics.threads = std::max(1, settings.threads - 1);
+  // The right columns of an RGB-D camera follow from its depth: they have no offset of their own.
+  if (sensor == Sensor::rgbd) settings.full_bundle.disparity_offset_sigma = 0.0;
+  return settings;
+}
+
+// The loaded map, or an empty one.
+std::unique_ptr<Map> starting_map(const StereoCamera& camera, std::unique_ptr<Map> loaded,
+                                  const SlamSettings& settings) {
+  std::vector<double> scales = level_scales(settings.orb.pyramid);
+  if (settings.localise && (loaded == nullptr || loaded->keyframes().empty())) {
+    throw InputError("localisation", "a map with keyframes", loaded ? "an empty one" : "none");
+  }
+  if (loaded == nullptr) return std::make_unique<Map>(camera, std::move(scales));
+  if (loaded->scales() != scales) {
+    throw InputError("loaded map", fmt::format("features of {} levels, as they are found now", scales.size()),
+                     fmt::format("{}, or others", loaded->scales().size()));
+  }
+  return loaded;
+}
+
+}  // namespace
+
+Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settings, Segmenter segmenter,
+           std::unique_ptr<Map> loaded)
+    : camera_(checked(camera)),
+      sensor_(sensor),
+      settings_(derived(settings, sensor, camera_)),
+      left_orb_(settings.orb),
+      right_orb_(settings.orb),
+      owned_map_(starting_map(camera_, std::move(loaded), settings)),
+      map_(*owned_map_),
+      first_own_keyframe_(map_.next_keyframe_id()),
+      index_(settings.index),
+      mapper_(map_, settings_.mapper),
+      loop_closer_(map_, index_, settings.loops),
+      tracker_(map_, index_, settings_.tracker, timer_),
+      instances_(camera_, map_.scales(), settings_.semantics.instances, map_.next_object_number()),
+      worker_(map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
+      segmentation_(settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
+                    !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
+                    settings_.semantics.threads) {
+  camera_ = map_.camera();
+  loop_closer_.adopt_map();
+}
+
+FrameResult Slam::process(const StereoImages& images) {
+  check_image(images.left, camera_, images.index, "left");
+  if (sensor_ == Sensor::stereo) {
+    check_image(images.right, camera_, images.index, "right");
+  } else {
+    check_depth(images.depth, camera_, images.index);
+  }
+  const auto scope = timer_.measure("frame");
+  const std::shared_ptr<FrameFeatures> features = measure(images);
+  return process(images.index, images.timestamp, features, images.left);
+}
+
+FrameResult Slam::process_missing(int index, double timestamp) {
+  const auto scope = timer_.measure("frame");
+  return process(index, timestamp, std::make_shared<FrameFeatures>(), {});
+}
+
+FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
+                          const cv::Mat& image) {
+  FrameResult result;
+  result.index = index;
+  take_instances();
+  instances_.carry(index, timestamp, features, tracker_.predicted_step(timestamp));
+  if (settings_.semantics.mode == SegmentationMode::all && !image.empty()) {
+    segmentation_.submit(index, image);
+    take_instances();
+  }
+  result.covered_share = instances_.covered_share();
+  result.features = features->size();
+  for (int i = 0; i < features->size(); ++i) {
+    result.stereo_features += features->has_stereo(i);
+    result.movable_features += features->is_movable(i);
+  }
+  result.median_depth = median_depth(*features);
+  Frame frame;
+  frame.covered_share = result.covered_share;
+  frame.objects = instances_.objects();
+  frame.index = index;
+  frame.timestamp = timestamp;
+  frame.features = features;
+  frame.pyramid = &left_orb_.pyramid();
+  std::optional<MapWork> work;
+  {
+    const std::shared_lock lock(map_.mutex());
+    result.tracking = tracker_.track(frame);
+    camera_ = map_.camera();  // of the next frame
+    instances_.observe(step_from_last(frame), result.tracking.state == TrackingState::tracking &&
+                                                  !result.tracking.recovered &&
+                                                  !result.tracking.starts_submap);
+    if (result.tracking.mover) instances_.add_mover(index, *result.tracking.mover);
+    result.keyframe = result.tracking.wants_keyframe;
+    if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
+  }
+  if (is_segmented(result) && !image.empty()) segmentation_.submit(index, image);
+  if (work) worker_.submit(std::move(*work));
+
+  result.T_wc = frame.T_cw.inverse();
+  entries_.push_back({frame.timestamp, frame.reference, frame.T_c_reference});
+  results_.push_back(result);
+  newest_ = std::move(frame);
+  return result;
+}
+
+// Features of the left image, and where each would be seen from the right: by matching, or by its depth.
+std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
+  auto measured = std::make_shared<FrameFeatures>();
+  const cv::Mat left = to_grey(images.left);
+  // What covers the view takes its share of the features: the rest of the street needs its own.
+  constexpr double kMostFeatures = 2.5;
+  const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
+  StereoMatches stereo;
+  if (sensor_ == Sensor::stereo) {
+    const cv::Mat right = to_grey(images.right);
+    Features right_features;
+    {
+      const auto scope = timer_.measure("orb");
+      const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
+      std::future<void> right_done =
+          std::async(policy, [&] { right_orb_.extract(right, right_features, more); });
+      left_orb_.extract(left, measured->left, more);
+      right_done.get();
+    }
+    const auto scope = timer_.measure("stereo");
+    match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
+    stereo_order_.check(images.index, camera_, measured->left, right_features, left_orb_.pyramid(),
+                        right_orb_.pyramid(), stereo);
+  } else {
+    {
+      const auto scope = timer_.measure("orb");
+      left_orb_.extract(left, measured->left, more);
+    }
+    const auto scope = timer_.measure("stereo");
+    measure_depth(camera_, measured->left, images.depth, stereo);
+  }
+  measured->u_right = std::move(stereo.u_right);
+  measured->depth = std::move(stereo.depth);
+  measured->movable.assign(measured->left.keypoints.size(), 0);
+  measured->colour = colours_at(images.left, measured->left.keypoints);
+  measured->grid = FeatureGrid(measured->left.keypoints, camera_.width, camera_.height);
+  return measured;
+}
+
+// How the camera moved from the last frame to this one. Both may have been moved by the map since.
+SE3 Slam::step_from_last(const Frame& frame) const {
+  if (entries_.empty() || entries_.back().reference == nullptr) return {};
+  return frame.T_cw * (entries_.back().T_c_reference * current_pose(*entries_.back().reference)).inverse();
+}
+
+bool Slam::is_segmented(const FrameResult& frame) const {
+  constexpr int kWithoutKeyframes = 3;  // frames; a drive makes every second or third a keyframe
+  const auto is_turn_of = [&](int interval) {
+    return results_.size() % static_cast<std::size_t>(std::max(1, interval)) == 0;
+  };
+  switch (settings_.semantics.mode) {
+    case SegmentationMode::keyframes:
+      // What hides the way must be known most of all where the way is not.
+      return frame.keyframe || frame.tracking.state != TrackingState::tracking ||
+             (settings_.localise && is_turn_of(kWithoutKeyframes));
+    case SegmentationMode::interval:
+      return is_turn_of(settings_.semantics.interval);
+    case SegmentationMode::off:
+    case SegmentationMode::all:  // before the frame is located
+      break;
+  }
+  return false;
+}
+
+// What the segmenter has found meanwhile labels the frames that it belongs to, and all since.
+void Slam::take_instances() {
+  const auto scope = timer_.measure("instances");
+  const std::vector<SegmentedFrame> results = segmentation_.take();
+  for (const SegmentedFrame& found : results) {
+    instances_.add(found.frame, found.instances);
+    if (const auto known = sightings_.find(found.frame); known != sightings_.end())
+      known->second = shrunk(instances_.sightings(found.frame));
+  }
+  MapWork work;
+  work.moving = instances_.take_moving_features();
+  if (!results.empty()) work.objects = instances_.take_keyframe_objects();
+  if (!work.moving.empty() || !work.objects.empty()) worker_.submit(std::move(work));
+}
+
+// `frame` becomes a keyframe, which is still to be put into the map.
+MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
+  MapWork work;
+  work.tracked = frame.points;
+  work.aligned = frame.aligned;
+  work.keyframe = map_.new_keyframe(frame.index, frame.timestamp, frame.T_cw, frame.features);
+  work.keyframe->patches = frame.patches;
+  if (starts_submap) {
+    work.keyframe->submap = map_.begin_submap();
+  } else if (frame.reference != nullptr) {
+    work.keyframe->submap = frame.reference->submap;
+    work.reference = frame.reference;
+    work.reference_T_cw = current_pose(*frame.reference);
+  }
+  tracker_.set_keyframe(work.keyframe.get());
+  instances_.set_keyframe(work.keyframe.get());
+  sightings_[frame.index] = shrunk(instances_.sightings());
+  // Those that earlier frames' results have shown; what is found in this one comes later.
+  if (segmentation_.enabled()) work.objects = instances_.take_keyframe_objects();
+  frame.reference = work.keyframe.get();
+  frame.T_c_reference = SE3{};
+  return work;
+}
+
+void Slam::finish() {
+  segmentation_.drain();
+  take_instances();
+  worker_.finish();
+  timer_.merge(worker_.take_times());
+  timer_.merge(segmentation_.take_times());
+}
+
+FrameView Slam::newest_view() const {
+  if (newest_.features == nullptr) return {};
+  const std::shared_lock lock(map_.mutex());  // for which features are on what moves
+  return frame_view(*newest_.features, newest_.points, instances_.sightings());
+}
+
+std::vector<ClosedLoop> Slam::loops() const {
+  const std::shared_lock lock(map_.mutex());
+  return loop_closer_.loops();
+}
+
+std::vector<RecognisedPlace> Slam::recognised_places() const {
+  const std::shared_lock lock(map_.mutex());
+  return loop_closer_.recognised();
+}
+
+Trajectory Slam::trajectory() const {
+  const std::shared_lock lock(map_.mutex());
+  Trajectory trajectory;
+  trajectory.reserve(entries_.size());
+  for (const TrajectoryEntry& entry : entries_) {
+    SE3 T_cw;
+    if (entry.reference != nullptr) T_cw = entry.T_c_reference * current_pose(*entry.reference);
+    T_cw.normalize();
+    trajectory.push_back({entry.timestamp, T_cw.inverse()});
+  }
+  return trajectory;
+}
+
+Trajectory Slam::keyframe_trajectory() const {
+  const std::shared_lock lock(map_.mutex());
+  Trajectory trajectory;
+  for (const KeyFrame* keyframe : map_.keyframes()) {
+    if (is_loaded(*keyframe)) continue;
+    trajectory.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});
+  }
+  return trajectory;
+}
+
+std::vector<SubmapSummary> Slam::submaps() const {
+  const std::shared_lock lock(map_.mutex());
+  std::map<int, SubmapSummary> submaps;
+  for (const KeyFrame* keyframe : map_.keyframes()) {
+    SubmapSummary& submap = submaps[keyframe->submap];
+    submap.submap = keyframe->submap;
+    ++submap.keyframes;
+  }
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const KeyFrame* reference = entries_[i].reference;
+    if (reference == nullptr || results_[i].tracking.state != TrackingState::tracking) continue;
+    while (reference->erased) reference = reference->stand_in;
+    SubmapSummary& submap = submaps[reference->submap];
+    if (submap.frames++ == 0) submap.first_frame = results_[i].index;
+    submap.last_frame = results_[i].index;
+  }
+  std::vector<SubmapSummary> in_order;
+  for (const auto& [number, submap] : submaps) in_order.push_back(submap);
+  return in_order;
+}
+
+int Slam::count(TrackingState state) const {
+  int n = 0;
+  for (const FrameResult& result : results_) n += result.tracking.state == state;
+  return n;
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,172 @@
+// The SLAM pipeline: stereo pairs, or images with their depth, go in, one after the other; a trajectory and a
+// map come out.
+//
+//   Slam slam(dataset.camera(), dataset.sensor(), settings);
+//   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
+//   slam.finish();
+//   write(slam.trajectory());
+//
+// Tracking never waits for mapping, loop closing, the adjustment of the whole map or the segmenter, which
+// have their own threads (slam/backend/map_worker.h, slam/dynamics/segmentation_worker.h). With
+// SlamSettings::deterministic all of it happens in the calling thread, apart from the features of the right
+// image; then results do not depend on the number of threads and repeat bit for bit: a segmented frame's
+// instances are known when the next frame comes.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "nn/base/stage_timer.h"
+#include "slam/backend/loop_closer.h"
+#include "slam/backend/map_worker.h"
+#include "slam/dynamics/instance_tracker.h"
+#include "slam/dynamics/segmentation_worker.h"
+#include "slam/frontend/features/orb_extractor.h"
+#include "slam/frontend/features/stereo_order.h"
+#include "slam/frontend/locating/tracker.h"
+#include "slam/pipeline/frame_view.h"
+#include "slam/sources/stereo_dataset.h"
+
+namespace penumbra::slam {
+
+// Which frames are segmented. `keyframes` (and frames that cannot be located; every third where only the way
+// in a map is looked for) and `interval`: beside the tracker, which gets the instances when they are there.
+// `all`: every frame, before it is located; the tracker waits.
+enum class SegmentationMode { off, keyframes, interval, all };
+
+struct SemanticsSettings {
+  SegmentationMode mode = SegmentationMode::keyframes;
+  int interval = 1;  // frames, of SegmentationMode::interval
+  // Of the network beside the tracker; 0: all but one of `SlamSettings::threads`. With as many as there are
+  // processors its threads would wait for each other whenever the tracker holds one of them.
+  int threads = 0;
+  InstanceTrackerSettings instances;
+};
+
+// Every setting of the pipeline; each group is documented where it is used.
+struct SlamSettings {
+  OrbSettings orb;
+  TrackerSettings tracker;
+  LocalMapperSettings mapper;
+  PlaceIndexSettings index;
+  LoopCloserSettings loops;
+  SemanticsSettings semantics;
+  FullBundleSettings full_bundle;
+  bool localise = false;  // only find the way in a map that was loaded, which stays as it is
+  int threads = 2;        // 1: the right image's features wait for the left's
+  bool deterministic = true;
+};
+
+struct FrameResult {
+  int index = 0;
+  TrackingReport tracking;
+  SE3 T_wc;  // where it was located, or predicted; the map may move it later (Slam::trajectory)
+  bool keyframe = false;
+  int features = 0, stereo_features = 0;
+  int movable_features = 0;    // on what is known or taken to move
+  double covered_share = 0.0;  // of the image, by what moves
+  double median_depth = 0.0;   // metres, of the features that have one; 0: none has
+};
+
+// A piece of the map whose keyframes are tied to each other. One is all there should be; a further one begins
+// where the way was lost and nothing was recognised, and ends to be one when a loop ties it to an older one.
+// A piece that is never tied keeps the pose that was guessed for its beginning.
+struct SubmapSummary {
+  int submap = 0;                       // its number
+  int first_frame = 0, last_frame = 0;  // that were located in it
+  int frames = 0, keyframes = 0;
+};
+
+class Slam {
+ public:
+  // `segmenter` may be empty. `loaded`: a map of an earlier run by the same camera (slam/map/map_file.h), to
+  // go on with or to find the way in; the trajectory is then in its world. Throws InputError for a camera
+  // that cannot be (fx, fy or baseline not above zero or not finite, an image without pixels), a map with
+  // another pyramid, and where there is no map to localise in.
+  Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settings, Segmenter segmenter = {},
+       std::unique_ptr<Map> loaded = {});
+  Slam(const Slam&) = delete;
+  Slam& operator=(const Slam&) = delete;
+
+  // Takes the next pair, or the next image with its depth, as the sensor has them; grey or colour, of the
+  // camera's size (InputError otherwise, and where the first pairs show that left and right are exchanged).
+  FrameResult process(const StereoImages& images);
+  // The same for a frame whose features were found elsewhere, without the image.
+  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features) {
+    return process(index, timestamp, features, {});
+  }
+  // Takes the place of a frame whose images cannot be had: it is lost, its pose is the predicted one.
+  FrameResult process_missing(int index, double timestamp);
+  // Waits until the map is complete. What is read before shows the map as far as it is.
+  void finish();
+
+  // Pose of every frame so far, as the map now sees it; a lost frame has the pose that was predicted for it.
+  Trajectory trajectory() const;
+  Trajectory keyframe_trajectory() const;  // without those of a loaded map
+  bool is_loaded(const KeyFrame& keyframe) const { return keyframe.id < first_own_keyframe_; }
+
+  // Loops that were closed so far, in the order in which they were.
+  std::vector<ClosedLoop> loops() const;
+  // Keyframes that were proven to show earlier places, likewise.
+  std::vector<RecognisedPlace> recognised_places() const;
+  // The pieces of the map, in the order of their numbers.
+  std::vector<SubmapSummary> submaps() const;
+  // The settings with what follows from the sensor and from each other.
+  const SlamSettings& settings() const { return settings_; }
+  // What the newest frame showed. The thread that calls process() may ask.
+  FrameView newest_view() const;
+  // After finish() only, the worker's part in them being his until then; but the map may be read before by
+  // who holds its mutex shared.
+  const Map& map() const { return map_; }
+  const PlaceIndex& index() const { return index_; }
+  const LoopCloser& loop_closer() const { return loop_closer_; }
+  // The objects that were found, and what each keyframe showed of them, by its frame's number.
+  const std::vector<TrackedInstance>& instances() const { return instances_.instances(); }
+  const std::map<int, std::vector<InstanceSighting>>& sightings() const { return sightings_; }
+  const StageTimer& timer() const { return timer_; }
+  const std::vector<FrameResult>& results() const { return results_; }
+  int tracked() const { return count(TrackingState::tracking); }
+  int lost() const { return static_cast<int>(results_.size()) - tracked(); }
+
+ private:
+  struct TrajectoryEntry {
+    double timestamp;
+    const KeyFrame* reference;  // nullptr before the first keyframe
+    SE3 T_c_reference;
+  };
+
+  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
+                      const cv::Mat& image);
+  std::shared_ptr<FrameFeatures> measure(const StereoImages& images);
+  SE3 step_from_last(const Frame& frame) const;
+  void take_instances();
+  bool is_segmented(const FrameResult& frame) const;
+  MapWork make_keyframe(Frame& frame, bool starts_submap);
+  int count(TrackingState state) const;
+
+  StereoCamera camera_;  // as the map had it at the last frame
+  const Sensor sensor_;
+  const SlamSettings settings_;
+  StageTimer timer_;
+  OrbExtractor left_orb_, right_orb_;
+  StereoOrder stereo_order_;
+  const std::unique_ptr<Map> owned_map_;
+  Map& map_;
+  const int first_own_keyframe_;  // id
+  PlaceIndex index_;
+  LocalMapper mapper_;
+  LoopCloser loop_closer_;
+  Tracker tracker_;
+  std::vector<TrajectoryEntry> entries_;
+  std::vector<FrameResult> results_;
+  Frame newest_;
+  InstanceTracker instances_;
+  std::map<int, std::vector<InstanceSighting>> sightings_;  // of keyframes
+  // The last: their threads use the others.
+  MapWorker worker_;
+  SegmentationWorker segmentation_;
+};
+
+}  // namespace penumbra::slam

@@ -1,0 +1,45 @@
+// calibration.yaml: Penumbra's own description of a camera, for TUM folders and folders of any images. The
+// keys are listed in docs/datasets.md.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "slam/geometry/rectification.h"
+#include "slam/sources/stereo_dataset.h"
+#include "slam/sources/yaml_file.h"
+
+namespace penumbra::slam {
+
+struct CameraFile {
+  Sensor sensor = Sensor::stereo;
+  bool rectified = true;   // stereo: both images are those of one pinhole camera, `left`
+  LensCamera left, right;  // `right` where the pair is not rectified; size 0 where the file does not give it
+  SE3 T_right_left;        // likewise
+  double baseline = 0.0;   // metres, of rectified pairs and RGB-D cameras
+  double depth_factor = 5000.0;      // levels a metre (RGB-D)
+  std::optional<bool> colour;        // what the images are to be read as
+  std::optional<double> frame_rate;  // Hz
+  std::string place;                 // for messages
+};
+
+// Of RGB-D cameras without a `baseline`: that of the first Kinect and most others.
+inline constexpr double kNominalBaseline = 0.075;  // metres
+
+// Throws InputError (file:line) for keys that are missing or numbers that no camera has.
+CameraFile read_camera_file(const std::filesystem::path& path);
+
+// What a recording needs to know about it; an undistorted or rectified pair where the images are not.
+// Throws InputError as rectify_stereo and undistort do.
+struct RecordedCamera {
+  StereoCamera camera;  // of the rectified images; size 0 where the file does not give it
+  ImageRemap left, right;
+  Eigen::Matrix3d R_rectified_left = Eigen::Matrix3d::Identity();
+};
+RecordedCamera make_camera(const CameraFile& file);
+
+// A 3 x 4 or 4 x 4 matrix, row by row. Throws InputError where it is no rigid motion.
+SE3 read_transform(const YamlFile& yaml, const std::string& key);
+
+}  // namespace penumbra::slam

@@ -1,0 +1,83 @@
+#include "slam/sources/euroc.h"
+
+#include <fmt/core.h>
+
+#include <string>
+#include <vector>
+
+#include "nn/base/error.h"
+#include "slam/geometry/association.h"
+#include "slam/geometry/trajectory_io.h"
+#include "slam/sources/euroc_files.h"
+#include "slam/sources/folder_listing.h"
+#include "slam/sources/image_list.h"
+#include "slam/sources/recorded_sequence.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameTime = 1e-3;  // seconds, between the images of a pair
+
+// T_WB, wherever it is written; empty where it is nowhere.
+Trajectory find_ground_truth(const fs::path& mav, Notes* notes) {
+  const fs::path estimate = mav / "state_groundtruth_estimate0" / "data.csv";
+  if (is_present(estimate)) return read_euroc_trajectory(estimate, notes);
+  for (const fs::path& file : {mav.parent_path() / "groundtruth_tum.txt", mav / "groundtruth_tum.txt"}) {
+    if (is_present(file)) return read_tum_trajectory(file, notes);
+  }
+  return {};
+}
+
+}  // namespace
+
+bool looks_like_euroc(const fs::path& path) {
+  return is_folder(path / "mav0") || is_present(path / "cam0" / "sensor.yaml");
+}
+
+std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOptions& options) {
+  require_dataset_folder(path);
+  const fs::path mav = fs::canonical(is_folder(path / "mav0") ? path / "mav0" : path);
+  const fs::path folders[] = {mav / "cam0", mav / "cam1"};
+  const EurocCamera left = read_euroc_camera(folders[0] / "sensor.yaml");
+  const EurocCamera right = read_euroc_camera(folders[1] / "sensor.yaml");
+  const StereoRectification rectification = rectify_stereo(
+      left.lens, right.lens, right.T_BS.inverse() * left.T_BS, (folders[1] / "sensor.yaml").string());
+
+  Recording recording;
+  recording.name = "EuRoC " + mav.parent_path().filename().string();
+  recording.place = mav.string();
+  recording.camera = rectification.camera;
+  recording.left = rectification.left;
+  recording.right = rectification.right;
+  recording.colour = colour_of(options.cameras, nn::ImageColour::grey);
+  const ImageList left_list = read_euroc_image_list(folders[0] / "data.csv");
+  const ImageList right_list = read_euroc_image_list(folders[1] / "data.csv");
+  const std::vector<ListedImage>&left_images = left_list.images, &right_images = right_list.images;
+  recording.notes = joined_notes(left_list, right_list);
+  note_unused_rate(options.frame_rate, folders[0] / "data.csv", recording.notes);
+  for (const auto& [l, r] : associate_times(times_of(left_images), times_of(right_images), kSameTime)) {
+    recording.frames.push_back({static_cast<int>(recording.frames.size()), left_images[l].timestamp,
+                                folders[0] / "data" / left_images[l].name,
+                                folders[1] / "data" / right_images[r].name});
+  }
+  if (recording.frames.empty()) {
+    throw InputError(
+        mav.string(),
+        fmt::format("images of cam0 and cam1 with the same times (at most {:g} s apart)", kSameTime),
+        nearest_times(left_list, right_list));
+  }
+  const std::size_t alone = left_images.size() + right_images.size() - 2 * recording.frames.size();
+  if (alone > 0)
+    recording.notes.push_back(
+        fmt::format("{} images without a partner of the same time are left out", alone));
+  const SE3 T_B_rectified =
+      left.T_BS * SE3{rectification.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
+  recording.ground_truth = find_ground_truth(mav, &recording.notes);
+  for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * T_B_rectified;
+  return open_recording(std::move(recording), options);
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,95 @@
+#include "slam/sources/folder_listing.h"
+
+#include <algorithm>
+#include <cctype>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "nn/base/error.h"
+#include "nn/base/natural_order.h"
+#include "nn/base/text.h"
+
+namespace penumbra::slam {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kRead[] = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp"};
+constexpr std::string_view kForeign[] = {".tif", ".tiff", ".webp", ".gif", ".jp2", ".jxl", ".exr", ".heic"};
+
+std::string small_letters(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool ends_in_one_of(const fs::path& path, std::span<const std::string_view> endings) {
+  return std::find(endings.begin(), endings.end(), small_letters(path.extension().string())) != endings.end();
+}
+
+}  // namespace
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+bool is_present(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+bool is_debris(const fs::path& path) {
+  const std::string name = small_letters(path.filename().string());
+  return name.starts_with("._") || name == ".ds_store" || name == "thumbs.db" || name == "desktop.ini" ||
+         name == "@eadir" || name == "__macosx";
+}
+
+std::vector<fs::path> list_folder(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (!is_debris(entry->path())) entries.push_back(entry->path());
+  }
+  if (error) throw InputError(folder.string(), "a folder", error.message());
+  std::sort(entries.begin(), entries.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return entries;
+}
+
+std::vector<fs::path> list_images(const fs::path& folder, std::vector<std::string>& notes) {
+  if (!is_folder(folder)) {
+    throw InputError(folder.string(), "a folder of images", is_present(folder) ? "a file" : "nothing");
+  }
+  std::vector<fs::path> images, foreign;
+  for (const fs::path& entry : list_folder(folder)) {
+    if (ends_in_one_of(entry, kRead)) images.push_back(entry);
+    if (ends_in_one_of(entry, kForeign)) foreign.push_back(entry);
+  }
+  if (!images.empty()) {
+    if (!foreign.empty()) {
+      notes.push_back(fmt::format("{}: {} images are of a kind that is not read and are left out, first {}",
+                                  folder.string(), foreign.size(),
+                                  printable(foreign.front().filename().string(), 60)));
+    }
+    return images;
+  }
+  constexpr std::string_view kExpected = "images (.png, .jpg, .pgm, .ppm or .bmp)";
+  if (!foreign.empty()) {
+    throw InputError(folder.string(), kExpected,
+                     fmt::format("only {0} (ImageMagick converts them: mogrify -format png '{1}'/*{0})",
+                                 foreign.front().extension().string(), folder.string()));
+  }
+  throw InputError(folder.string(), kExpected, "none");
+}
+
+void require_dataset_folder(const fs::path& path) {
+  constexpr const char* kExpected = "the folder of a dataset";
+  if (!is_present(path)) throw InputError(path.string(), kExpected, "nothing");
+  if (!is_folder(path)) throw InputError(path.string(), kExpected, "a file");
+  if (list_folder(path).empty()) throw InputError(path.string(), kExpected, "an empty folder");
+}
+
+}  // namespace penumbra::slam

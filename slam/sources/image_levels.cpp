@@ -1,0 +1,87 @@
+#include "slam/sources/image_levels.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "nn/base/error.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLookedAt = 16;  // images
+
+// The highest level of images from all over the recording. Those that cannot be read are for the run to
+// report.
+int highest_level(std::span<const fs::path> images) {
+  double highest = 0.0;
+  const std::size_t count = std::min(kLookedAt, images.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    try {
+      const cv::Mat image = nn::read_stored_image(images[i * images.size() / count], nn::ImageColour::grey);
+      double level = 0.0;
+      cv::minMaxLoc(image, nullptr, &level);
+      if (image.depth() == CV_16U) highest = std::max(highest, level);
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+  return static_cast<int>(highest);
+}
+
+int bits_for(int level) {
+  for (const int bits : {8, 10, 12, 14}) {
+    if (level < 1 << bits) return bits;
+  }
+  return 16;
+}
+
+}  // namespace
+
+ImageLevels::ImageLevels(std::span<const fs::path> images, std::optional<int> bits,
+                         std::vector<std::string>& notes) {
+  if (bits && (*bits < 8 || *bits > 16)) {
+    throw UsageError(fmt::format("--image-bits {}: expected 8 to 16", *bits));
+  }
+  const nn::ImageInfo info = nn::read_image_info(images.front());
+  if (info.bit_depth != 16) {
+    if (bits && *bits != 8) {
+      notes.push_back(
+          fmt::format("--image-bits {} is of no use: the images have {} bits", *bits, info.bit_depth));
+    }
+    return;
+  }
+  const int highest = highest_level(images);
+  const bool file_says = info.significant_bits < 16 && highest < 1 << info.significant_bits;
+  bits_ = bits ? *bits : file_says ? std::max(8, info.significant_bits) : bits_for(highest);
+  notes.push_back(
+      fmt::format("16-bit images: {} bits are taken to be used{} (levels up to {} in the images "
+                  "looked at; --image-bits N sets them)",
+                  bits_,
+                  bits        ? " as asked for"
+                  : file_says ? " as the files say"
+                              : "",
+                  highest));
+  if (highest >= 1 << bits_) {
+    notes.push_back(fmt::format("levels above {} become white", (1 << bits_) - 1));
+  }
+}
+
+cv::Mat ImageLevels::read(const fs::path& path, nn::ImageColour colour) const {
+  if (bits_ == 0 || bits_ == 16) return nn::read_image(path, colour);
+  const cv::Mat image = nn::read_stored_image(path, colour);
+  if (image.depth() != CV_16U) return image;
+  cv::Mat levels(image.size(), CV_8UC(image.channels()));
+  const int shift = bits_ - 8, row = image.cols * image.channels();
+  for (int y = 0; y < image.rows; ++y) {
+    const auto* from = image.ptr<std::uint16_t>(y);
+    auto* to = levels.ptr<std::uint8_t>(y);
+    for (int x = 0; x < row; ++x) to[x] = static_cast<std::uint8_t>(std::min(from[x] >> shift, 255));
+  }
+  return levels;
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,34 @@
+// One lens of a calibration.yaml, in any of the ways to write it.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slam/geometry/rectification.h"
+#include "slam/sources/yaml_file.h"
+
+namespace penumbra::slam {
+
+// The keys under `prefix` ("left.", "right.", or ""), under their own names (slam/sources/camera_keys.h):
+//   fx fy cx cy, or intrinsics [fx, fy, cx, cy], or camera_matrix, 3 x 3 row by row;
+//   distortion with distortion_model, or k1 k2 p1 p2 [k3], or k1 k2 k3 k4 (equidistant); nothing but zeros is
+//   none;
+//   width and height, or resolution: here, or without prefix for both lenses; not needed without distortion.
+// Throws InputError (file:line) for keys that are missing, two ways at once, or numbers that no camera has.
+LensCamera read_lens(const YamlFile& yaml, const std::string& prefix);
+
+// "radial-tangential" ("radtan", "brown_conrady", ROS's "plumb_bob"), "equidistant" ("equi", "fisheye",
+// "kannala_brandt") or "none", in any letters (plain_word). Throws InputError naming `place` for another
+// name, or where `distortion` has another number of coefficients than the model.
+void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
+                    const std::string& place);
+
+// Throws InputError for a camera model, the value of `key` if there is one, that is not pinhole.
+void require_pinhole(const YamlFile& yaml, const std::string& key);
+
+// The one of `keys` that the file has; the first where it has none. Throws InputError where it has two.
+std::string one_of(const YamlFile& yaml, std::initializer_list<std::string> keys);
+
+}  // namespace penumbra::slam

@@ -1,0 +1,122 @@
+#include "slam/sources/tum.h"
+
+#include <fmt/core.h>
+
+#include <optional>
+#include <string>
+
+#include "nn/base/error.h"
+#include "slam/geometry/association.h"
+#include "slam/geometry/trajectory_io.h"
+#include "slam/sources/camera_file.h"
+#include "slam/sources/folder_listing.h"
+#include "slam/sources/image_list.h"
+#include "slam/sources/recorded_sequence.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameTime = 0.02;  // seconds, between colour and depth
+
+struct KnownCamera {
+  const char* names[2];
+  LensCamera lens;
+};
+
+// The benchmark's own calibration of its three colour cameras ("Intrinsic Camera Calibration of the Kinect").
+const KnownCamera kCameras[] = {
+    {{"freiburg1", "fr1"},
+     {517.306408,
+      516.469215,
+      318.643040,
+      255.313989,
+      LensModel::radial_tangential,
+      {0.262383, -0.953104, -0.005358, 0.002628, 1.163314},
+      640,
+      480}},
+    {{"freiburg2", "fr2"},
+     {520.908620,
+      521.007327,
+      325.141442,
+      249.701764,
+      LensModel::radial_tangential,
+      {0.231222, -0.784899, -0.003257, -0.000105, 0.917205},
+      640,
+      480}},
+    {{"freiburg3", "fr3"}, {535.4, 539.2, 320.1, 247.6, LensModel::radial_tangential, {}, 640, 480}},
+};
+
+CameraFile find_camera(const fs::path& folder, const std::string& name) {
+  if (is_present(folder / "calibration.yaml")) {
+    CameraFile file = read_camera_file(folder / "calibration.yaml");
+    if (file.sensor != Sensor::rgbd) {
+      throw InputError((folder / "calibration.yaml").string(), "an RGB-D camera (sensor: rgbd)",
+                       "a stereo camera");
+    }
+    return file;
+  }
+  for (const KnownCamera& known : kCameras) {
+    if (name.find(known.names[0]) == std::string::npos && name.find(known.names[1]) == std::string::npos)
+      continue;
+    CameraFile file;
+    file.sensor = Sensor::rgbd;
+    file.left = known.lens;
+    file.baseline = kNominalBaseline;
+    file.place = folder.string();
+    return file;
+  }
+  throw InputError(folder.string(),
+                   "a calibration.yaml, or a folder name with freiburg1, freiburg2 or freiburg3",
+                   fmt::format("neither in '{}'", name));
+}
+
+}  // namespace
+
+bool looks_like_tum(const fs::path& path) {
+  return is_present(path / "rgb.txt") || (is_folder(path / "rgb") && !is_present(path / "calibration.yaml"));
+}
+
+std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptions& options) {
+  require_dataset_folder(path);
+  const fs::path folder = fs::canonical(path);
+  const std::string name = folder.filename().string();
+  const ImageList colour_list = read_tum_image_list(folder / "rgb.txt");
+  const ImageList depth_list = read_tum_image_list(folder / "depth.txt");
+  const std::vector<ListedImage>&colour = colour_list.images, &depth = depth_list.images;
+  const CameraFile file = find_camera(folder, name);
+  const RecordedCamera camera = make_camera(file);
+
+  Recording recording;
+  recording.name = "TUM RGB-D " + name;
+  recording.notes = joined_notes(colour_list, depth_list);
+  note_unused_rate(options.frame_rate, folder / "rgb.txt", recording.notes);
+  recording.place = folder.string();
+  recording.sensor = Sensor::rgbd;
+  recording.camera = camera.camera;
+  recording.left = camera.left;
+  recording.depth_factor = file.depth_factor;
+  recording.colour = colour_of(options.cameras, nn::ImageColour::bgr);
+  for (const auto& [c, d] : associate_times(times_of(colour), times_of(depth), kSameTime)) {
+    recording.frames.push_back({static_cast<int>(recording.frames.size()), colour[c].timestamp,
+                                folder / colour[c].name, folder / depth[d].name});
+  }
+  if (recording.frames.empty()) {
+    throw InputError(folder.string(),
+                     fmt::format("colour and depth images within {:g} s of each other", kSameTime),
+                     nearest_times(colour_list, depth_list));
+  }
+  const std::size_t alone = colour.size() + depth.size() - 2 * recording.frames.size();
+  if (alone > 0) {
+    recording.notes.push_back(
+        fmt::format("{} images without a partner within {:g} s are left out", alone, kSameTime));
+  }
+  if (is_present(folder / "groundtruth.txt")) {
+    recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt", &recording.notes);
+  }
+  return open_recording(std::move(recording), options);
+}
+
+}  // namespace penumbra::slam

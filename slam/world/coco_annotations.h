@@ -1,0 +1,39 @@
+// The street's ground truth as COCO instances JSON, which `penumbra eval-coco` and pycocotools read.
+//
+//   images       {id, file_name (relative to the output folder), width, height}; ids count from 1
+//   categories   1 person, 2 cyclist, 3 car, 4 truck, 5 sign: the numbers of ObjectClass
+//   annotations  {id, image_id, category_id, iscrowd 0,
+//                 bbox, area, segmentation:                 of the visible mask (compressed run lengths)
+//                 amodal_bbox, amodal_segmentation:         of the whole object inside the image
+//                 occlusion: hidden share of the amodal mask, 0..1
+//                 instance_id: as in instances/NNNNNN.png,  moving: bool}
+//
+// Left out are objects with fewer than kMinVisiblePixels visible pixels and signs seen from behind. COCO has
+// no other way to say so: its evaluation takes only `iscrowd` for "ignore", which means something else.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "slam/world/instance_masks.h"
+
+namespace penumbra::slam::synthetic {
+
+constexpr int kMinVisiblePixels = 20;
+
+class CocoWriter {
+ public:
+  explicit CocoWriter(const cv::Size& size) : size_(size) {}
+
+  void add(const std::string& file_name, const std::vector<InstanceMasks>& instances);
+  // The whole file. About 700 bytes an annotation.
+  std::string finish() const;
+
+ private:
+  cv::Size size_;
+  int images_ = 0, annotations_ = 0;
+  std::string image_text_, annotation_text_;
+};
+
+}  // namespace penumbra::slam::synthetic

@@ -1,0 +1,91 @@
+#include "slam/world/instance_masks.h"
+
+#include <algorithm>
+
+namespace penumbra::slam::synthetic {
+
+namespace {
+
+// The part of `mask` inside its smallest rectangle, at an offset of (x, y) in the image.
+nn::Mask cropped(const cv::Mat1b& mask, int x, int y, int& area) {
+  int left = mask.cols, right = -1, top = mask.rows, bottom = -1;
+  area = 0;
+  for (int row = 0; row < mask.rows; ++row) {
+    const std::uint8_t* bits = mask[row];
+    for (int column = 0; column < mask.cols; ++column) {
+      if (bits[column] == 0) continue;
+      ++area;
+      left = std::min(left, column);
+      right = std::max(right, column);
+      top = std::min(top, row);
+      bottom = row;
+    }
+  }
+  nn::Mask result;
+  if (area == 0) return result;
+  result = {x + left, y + top, right - left + 1, bottom - top + 1, {}};
+  for (int row = top; row <= bottom; ++row) {
+    result.bits.insert(result.bits.end(), mask[row] + left, mask[row] + right + 1);
+  }
+  return result;
+}
+
+InstanceMasks masks_of(const FrameGeometry& geometry, int number, const RenderedView& view) {
+  const FrameObject& placed = geometry.frame_object(number);
+  const Object& object = geometry.world().objects[static_cast<std::size_t>(placed.object)];
+  const StereoCamera& camera = geometry.camera();
+  const cv::Rect pixels = geometry.pixels_of(number);
+  cv::Mat1b whole(pixels.size()), visible(pixels.size());
+  RayBatch batch;
+  for (int row = 0; row < pixels.height; ++row) {
+    for (int from = 0; from < pixels.width; from += kTileWidth) {
+      const int count = std::min(kTileWidth, pixels.width - from);
+      for (int i = 0; i < count; ++i) {
+        batch.x[i] = static_cast<float>((pixels.x + from + i - camera.cx) / camera.fx);
+        batch.y[i] = static_cast<float>((pixels.y + row - camera.cy) / camera.fy);
+      }
+      geometry.cast_alone(number, batch, count);
+      for (int i = 0; i < count; ++i) {
+        const bool hit = batch.surface[i] != kSky;
+        const bool seen = hit && view.instance(pixels.y + row, pixels.x + from + i) == object.instance;
+        whole(row, from + i) = hit ? 1 : 0;
+        visible(row, from + i) = seen ? 1 : 0;
+      }
+    }
+  }
+  InstanceMasks masks;
+  masks.object = placed.object;
+  masks.instance = object.instance;
+  masks.object_class = object.object_class;
+  masks.moving = object.motion.moves;
+  masks.faces_camera = object.object_class != ObjectClass::sign || placed.camera_in_local.z() < 0.0F;
+  masks.whole = cropped(whole, pixels.x, pixels.y, masks.whole_area);
+  masks.visible = cropped(visible, pixels.x, pixels.y, masks.visible_area);
+  return masks;
+}
+
+}  // namespace
+
+std::vector<InstanceMasks> find_instances(const FrameGeometry& geometry, const RenderedView& view) {
+  std::vector<int> numbers;
+  for (int i = 0; i < geometry.frame_objects(); ++i) {
+    const FrameObject& placed = geometry.frame_object(i);
+    if (geometry.world().objects[static_cast<std::size_t>(placed.object)].instance != 0 &&
+        !geometry.pixels_of(i).empty()) {
+      numbers.push_back(i);
+    }
+  }
+  std::vector<InstanceMasks> instances(numbers.size());
+  const int count = static_cast<int>(numbers.size());
+#pragma omp parallel for schedule(dynamic)
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    instances[k] = masks_of(geometry, numbers[k], view);
+  }
+  std::erase_if(instances, [](const InstanceMasks& masks) { return masks.whole_area == 0; });
+  std::sort(instances.begin(), instances.end(),
+            [](const InstanceMasks& a, const InstanceMasks& b) { return a.instance < b.instance; });
+  return instances;
+}
+
+}  // namespace penumbra::slam::synthetic

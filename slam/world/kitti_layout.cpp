@@ -1,0 +1,125 @@
+// Writes a street sequence as KITTI odometry lays its own out.
+#include <omp.h>
+
+#include <algorithm>
+
+#include "nn/base/error.h"
+#include "nn/base/file.h"
+#include "slam/world/coco_annotations.h"
+#include "slam/world/ground_truth_images.h"
+#include "slam/world/sequence_files.h"
+#include "slam/world/street_sequence.h"
+
+namespace penumbra::slam::synthetic {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string row_of(const SE3& pose) {
+  std::string row;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) row += fmt::format("{:.9e} ", pose.rotation(r, c));
+    row += fmt::format("{:.9e}{}", pose.translation[r], r < 2 ? " " : "\n");
+  }
+  return row;
+}
+
+void write_calibration(const fs::path& path, const StereoCamera& camera) {
+  std::string text;
+  for (int number = 0; number < 4; ++number) {
+    // The colour cameras stand where the grey ones do.
+    const double offset = number % 2 == 0 ? 0.0 : -camera.fx * camera.baseline;
+    text += fmt::format("P{}: {:.12e} 0 {:.12e} {:.12e} 0 {:.12e} {:.12e} 0 0 0 1 0\n", number, camera.fx,
+                        camera.cx, offset, camera.fy, camera.cy);
+  }
+  nn::write_file(path, text);
+}
+
+// For logs and reports, such as "synthetic street, block, seed 1".
+std::string name_of(const SequenceSettings& settings) {
+  const bool is_file = fs::path(settings.path).has_extension();
+  return fmt::format("synthetic street, {}, seed {}",
+                     is_file ? "along " + fs::path(settings.path).filename().string() : settings.path,
+                     settings.seed);
+}
+
+void write_trajectory(const fs::path& poses_path, const fs::path& times_path, const Trajectory& poses) {
+  std::string rows, times;
+  const SE3 first_from_world = poses.front().T_wc.inverse();
+  for (const TimedPose& pose : poses) {
+    rows += row_of(first_from_world * pose.T_wc);
+    times += fmt::format("{:.6e}\n", pose.timestamp);
+  }
+  nn::write_file(poses_path, rows);
+  nn::write_file(times_path, times);
+}
+
+}  // namespace
+
+void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool overwrite,
+                        const std::function<void(int)>& progress) {
+  const SequenceSettings& settings = sequence.settings();
+  const fs::path root = folder / "sequences/00";
+  std::vector<fs::path> earlier{"annotations/instances.json"};
+  for (const char* name :
+       {"image_0", "image_1", "image_2", "image_3", "instances", "depth", "disparity", "flow", "amodal"}) {
+    earlier.push_back(fs::path("sequences/00") / name);
+  }
+  prepare_folder(folder, overwrite, earlier);
+
+  struct Output {
+    std::string name;
+    bool wanted;
+    std::function<cv::Mat()> image;
+  };
+  StreetFrame frame;
+  const Output outputs[] = {
+      {"image_0", true, [&] { return frame.left_grey; }},
+      {"image_1", true, [&] { return frame.right_grey; }},
+      {"image_2", settings.colour, [&] { return frame.left_bgr; }},
+      {"image_3", settings.colour, [&] { return frame.right_bgr; }},
+      {"instances", true, [&] { return frame.left.instance; }},
+      {"depth", settings.depth, [&] { return encode_depth(frame.left.depth, 256.0F); }},
+      {"disparity", settings.disparity,
+       [&] { return encode_disparity(frame.left.depth, sequence.camera()); }},
+      {"flow", settings.flow, [&] { return encode_flow(frame.flow); }},
+  };
+  for (const Output& output : outputs) {
+    if (output.wanted) make_folder(root / output.name);
+  }
+  make_folder(folder / "poses");
+  if (settings.annotations) make_folder(folder / "annotations");
+  nn::write_file(root / "name.txt", name_of(settings) + "\n");
+  write_calibration(root / "calib.txt", sequence.camera());
+  write_trajectory(folder / "poses/00.txt", root / "times.txt", sequence.poses());
+  write_instance_list(root / "instances.json", sequence.world());
+
+  CocoWriter annotations(settings.size);
+  ImageWriter images(std::max(1, omp_get_max_threads() / 2));
+  for (int i = 0; i < sequence.size(); ++i) {
+    sequence.render(i, frame);
+    const std::string name = fmt::format("{:06d}.png", i);
+    for (const Output& output : outputs) {
+      const bool no_next_frame = output.name == "flow" && i + 1 == sequence.size();
+      if (output.wanted && !no_next_frame) images.write(root / output.name / name, output.image());
+    }
+    if (settings.amodal) {
+      const fs::path masks = root / "amodal" / fmt::format("{:06d}", i);
+      make_folder(masks);
+      for (const InstanceMasks& instance : frame.instances) {
+        images.write(masks / fmt::format("{:05d}.png", instance.instance),
+                     mask_image(instance.whole, settings.size));
+      }
+    }
+    if (settings.annotations) {
+      annotations.add(fmt::format("sequences/00/{}/{}", settings.colour ? "image_2" : "image_0", name),
+                      frame.instances);
+    }
+    if (progress) progress(i + 1);
+  }
+  images.finish();
+  if (settings.annotations) nn::write_file(folder / "annotations/instances.json", annotations.finish());
+}
+
+}  // namespace penumbra::slam::synthetic

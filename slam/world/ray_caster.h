@@ -1,0 +1,47 @@
+// Renders what one camera sees of a synthetic world: colour, depth and instance ids.
+//
+// Every pixel's own values come from the ray through its centre (exact geometry, so depth and ids are true to
+// the sample); pixels whose neighbours show another surface average the colour of four rays, placed on a
+// rotated grid. Two passes run over tiles of the image with OpenMP: which surface is where, then its colour.
+// No pixel depends on the order of the work, so the bytes are the same for any number of threads.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "slam/world/frame_geometry.h"
+
+namespace penumbra::slam::synthetic {
+
+struct RenderedView {
+  cv::Mat3f radiance;  // linear red, green, blue
+  cv::Mat1f depth;     // metres along the optical axis; 0 = sky
+  cv::Mat1w instance;  // Object::instance, 0 = background
+  bool wants_reflectance = false;
+  cv::Mat2f reflectance;  // grey albedo and share of light that is mirrored; where wants_reflectance
+};
+
+class RayCaster {
+ public:
+  explicit RayCaster(const World& world) : world_(world) {}
+
+  // The view of a pinhole camera (the left one of `camera`; for the right one move T_wc by the baseline).
+  // `view` is allocated on the first call and reused.
+  void render(const StereoCamera& camera, const SE3& T_wc, double time, RenderedView& view);
+  // The world as the last call of render placed it.
+  const FrameGeometry& geometry() const { return geometry_; }
+
+ private:
+  void find_surfaces(int tile, RenderedView& view);
+  void colour(int tile, RenderedView& view) const;
+  bool is_edge(int column, int row) const;
+  // `reflectance` may be null.
+  Colour shade(float x, float y, float depth, std::int32_t surface, int tile, cv::Vec2f* reflectance) const;
+  float ground_light(const Eigen::Vector3f& camera_point, int tile, float& ambient) const;
+
+  const World& world_;
+  FrameGeometry geometry_;
+  cv::Mat1i surfaces_;
+  float pixel_ = 0.0F;  // size of a pixel at depth 1
+};
+
+}  // namespace penumbra::slam::synthetic

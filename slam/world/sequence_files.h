@@ -1,0 +1,56 @@
+// What the writers of both layouts share: making the output folder ready and writing images.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "slam/world/world.h"
+
+namespace penumbra::slam::synthetic {
+
+// Makes `folder` ready: it must be missing or empty, unless `overwrite`; then `written` (paths inside it,
+// what an earlier run wrote) is removed. Throws UsageError otherwise.
+void prepare_folder(const std::filesystem::path& folder, bool overwrite,
+                    const std::vector<std::filesystem::path>& written);
+// Throws Error where it cannot be made.
+void make_folder(const std::filesystem::path& folder);
+// {"17": {"class": "car", "moving": false}, ...}
+void write_instance_list(const std::filesystem::path& path, const World& world);
+
+// Encodes and writes PNG files on threads of its own while the caller renders the next frame.
+class ImageWriter {
+ public:
+  explicit ImageWriter(int threads);
+  ~ImageWriter();  // drops what has not been written
+  ImageWriter(const ImageWriter&) = delete;
+  ImageWriter& operator=(const ImageWriter&) = delete;
+
+  // Takes a copy of `image`. Waits while many images are pending; throws the Error of an earlier failure.
+  void write(std::filesystem::path path, const cv::Mat& image);
+  // Waits until all is written; throws the first failure.
+  void finish();
+
+ private:
+  struct Job {
+    std::filesystem::path path;
+    cv::Mat image;
+  };
+  void work();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> jobs_;
+  int busy_ = 0;
+  bool stop_ = false;
+  std::exception_ptr failure_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace penumbra::slam::synthetic

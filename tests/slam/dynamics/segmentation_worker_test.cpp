@@ -1,0 +1,88 @@
+#include "slam/dynamics/segmentation_worker.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <atomic>
+#include <future>
+
+#include "nn/base/error.h"
+
+namespace penumbra::slam {
+namespace {
+
+std::vector<Instance> one_instance(int frame, const cv::Mat& /*image*/) {
+  Instance instance;
+  instance.class_id = frame;
+  return {instance};
+}
+
+TEST(SegmentationWorker, InLineHandsOverAtTheNextTake) {
+  SegmentationWorker worker(one_instance, /*threaded=*/false);
+  worker.submit(4, cv::Mat());
+  worker.submit(5, cv::Mat());
+  const std::vector<SegmentedFrame> found = worker.take();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].frame, 4);
+  EXPECT_EQ(found[1].instances[0].class_id, 5);
+  EXPECT_TRUE(worker.take().empty());
+}
+
+TEST(SegmentationWorker, TheNewestImageWins) {
+  std::promise<void> release;
+  std::shared_future<void> released = release.get_future().share();
+  std::atomic<bool> started = false;
+  SegmentationWorker worker(
+      [&](int frame, const cv::Mat& image) {
+        started = true;
+        released.wait();
+        return one_instance(frame, image);
+      },
+      /*threaded=*/true);
+  worker.submit(1, cv::Mat());
+  while (!started) std::this_thread::yield();
+  for (int frame = 2; frame < 6; ++frame) worker.submit(frame, cv::Mat());
+  EXPECT_TRUE(worker.take().empty());  // nobody waited
+  release.set_value();
+  worker.drain();
+  const std::vector<SegmentedFrame> found = worker.take();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].frame, 1);
+  EXPECT_EQ(found[1].frame, 5);
+  EXPECT_EQ(worker.dropped(), 3);
+}
+
+TEST(SegmentationWorker, ItsNetworkHasTheThreadsThatItIsGiven) {
+  const int before = omp_get_max_threads();
+  int seen = 0;
+  SegmentationWorker worker(
+      [&](int, const cv::Mat&) {
+        seen = omp_get_max_threads();
+        return std::vector<Instance>{};
+      },
+      /*threaded=*/true, before + 2);
+  worker.submit(0, cv::Mat());
+  worker.drain();
+  EXPECT_EQ(seen, before + 2);
+  EXPECT_EQ(omp_get_max_threads(), before);  // of the caller's loops
+}
+
+TEST(SegmentationWorker, PassesErrorsOn) {
+  const auto fails = [](int, const cv::Mat&) -> std::vector<Instance> { throw Error("no masks today"); };
+  SegmentationWorker in_line(fails, false);
+  EXPECT_THROW(in_line.submit(0, cv::Mat()), Error);
+  SegmentationWorker threaded(fails, true);
+  threaded.submit(0, cv::Mat());
+  EXPECT_THROW(threaded.drain(), Error);
+}
+
+TEST(SegmentationWorker, WithoutASegmenterFindsNothing) {
+  SegmentationWorker worker({}, true);
+  EXPECT_FALSE(worker.enabled());
+  worker.submit(0, cv::Mat());
+  worker.drain();
+  EXPECT_TRUE(worker.take().empty());
+}
+
+}  // namespace
+}  // namespace penumbra::slam

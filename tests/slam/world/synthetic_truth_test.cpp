@@ -1,0 +1,264 @@
+// The street's per-frame ground truth and sensors, and its presets.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <opencv2/features2d.hpp>
+
+#include "nn/base/error.h"
+#include "slam/frontend/features/orb_extractor.h"
+#include "slam/world/depth_sensor.h"
+#include "slam/world/ground_truth_images.h"
+#include "tests/slam/world/synthetic_support.h"
+
+namespace penumbra::slam::synthetic {
+namespace {
+
+TEST(SyntheticTruth, FlowOfWhatStandsStillIsThatOfThePoses) {
+  StreetSequence street({.flow = true});
+  StreetFrame frame;
+  street.render(30, frame);  // in a bend
+  const SE3 motion = street.poses()[31].T_wc.inverse() * street.poses()[30].T_wc;
+  int compared = 0;
+  for (int v = 0; v < 188; v += 2) {
+    for (int u = 0; u < 620; u += 2) {
+      const double z = frame.left.depth(v, u);
+      if (z <= 0.0) {
+        EXPECT_EQ(frame.flow(v, u)[2], 0.0F);
+        continue;
+      }
+      if (frame.left.instance(v, u) != 0) continue;
+      const Eigen::Vector3d point = motion * street.camera().back_project(u, v, z);
+      if (point.z() < 0.5) continue;
+      const Eigen::Vector2d pixel = street.camera().project(point);
+      EXPECT_NEAR(frame.flow(v, u)[0], pixel.x() - u, 0.02);
+      EXPECT_NEAR(frame.flow(v, u)[1], pixel.y() - v, 0.02);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 10000);
+}
+
+TEST(SyntheticTruth, FlowLeadsToTheSameObjectInTheNextFrame) {
+  StreetSequence street({.street = street_preset("crowded"), .flow = true});
+  StreetFrame now, next;
+  street.render(12, now);
+  street.render(13, next);
+  int on_objects = 0, same = 0;
+  double depth_off = 0.0;
+  for (int v = 0; v < 188; ++v) {
+    for (int u = 0; u < 620; ++u) {
+      const cv::Vec3f& flow = now.flow(v, u);
+      const int id = now.left.instance(v, u);
+      const int to_u = static_cast<int>(std::lround(static_cast<float>(u) + flow[0]));
+      const int to_v = static_cast<int>(std::lround(static_cast<float>(v) + flow[1]));
+      if (id == 0 || flow[2] == 0.0F || to_u < 0 || to_v < 0 || to_u >= 620 || to_v >= 188) continue;
+      ++on_objects;
+      same += next.left.instance(to_v, to_u) == id ? 1 : 0;
+      depth_off += next.left.depth(to_v, to_u) < 0.5F * now.left.depth(v, u) ? 1.0 : 0.0;
+    }
+  }
+  EXPECT_GT(on_objects, 5000);
+  EXPECT_GT(same, on_objects * 9 / 10);  // the rest is hidden in the next frame, or an edge
+  EXPECT_LT(depth_off, 0.05 * on_objects);
+}
+
+TEST(SyntheticTruth, TheLastFrameHasNoFlow) {
+  StreetSequence street({.path = "straight", .frames = 2, .size = {64, 48}, .flow = true});
+  StreetFrame first, last;
+  street.render(0, first);
+  EXPECT_FALSE(first.flow.empty());
+  street.render(1, last);
+  EXPECT_TRUE(last.flow.empty());
+}
+
+TEST(SyntheticTruth, EncodedImagesFollowTheirFormats) {
+  const StereoCamera camera = street_camera({620, 188});
+  const cv::Mat1f depth = (cv::Mat1f(1, 4) << 0.0F, 10.0F, 100.0F, 1000.0F);
+  const cv::Mat1w levels = encode_depth(depth, 256.0F), disparity = encode_disparity(depth, camera);
+  EXPECT_EQ(levels(0, 0), 0);
+  EXPECT_EQ(levels(0, 1), 2560);
+  EXPECT_EQ(levels(0, 3), 0);  // beyond 255 m
+  EXPECT_EQ(disparity(0, 0), 0);
+  for (const int i : {1, 2, 3}) {
+    const double expected = camera.fx * camera.baseline / static_cast<double>(depth(0, i));
+    EXPECT_NEAR(disparity(0, i) / 256.0, expected, 0.5 / 256.0 + 1e-9);
+  }
+  const cv::Mat3f flow = (cv::Mat3f(1, 3) << cv::Vec3f(1.5F, -20.25F, 1.0F), cv::Vec3f(3.0F, 4.0F, 0.0F),
+                          cv::Vec3f(600.0F, 0.0F, 1.0F));
+  const cv::Mat3w encoded = encode_flow(flow);
+  EXPECT_EQ(encoded(0, 0), cv::Vec3w(1, 32768 - 20 * 64 - 16, 32768 + 96));
+  EXPECT_EQ(encoded(0, 1), cv::Vec3w(0, 0, 0));
+  EXPECT_EQ(encoded(0, 2), cv::Vec3w(0, 0, 0));
+}
+
+TEST(SyntheticTruth, DepthNoiseOfTheRgbdSensorGrowsWithTheSquareOfDepth) {
+  StreetSequence street({.sensor = Sensor::rgbd, .size = {640, 480}});
+  StreetFrame frame;
+  street.render(0, frame);
+  EXPECT_TRUE(frame.left_grey.empty());
+  ASSERT_EQ(frame.left_bgr.size(), cv::Size(640, 480));
+  double near = 0.0, far = 0.0;
+  int nears = 0, fars = 0, holes = 0, in_range = 0;
+  for (int v = 0; v < 480; ++v) {
+    for (int u = 0; u < 640; ++u) {
+      const double z = frame.left.depth(v, u), sensed = frame.sensed_depth(v, u);
+      if (z < 0.4 || z > 12.0) {
+        EXPECT_EQ(sensed, 0.0);
+        continue;
+      }
+      ++in_range;
+      if (sensed == 0.0) {
+        ++holes;
+        continue;
+      }
+      const double scaled = (sensed - z) / (z * z);
+      (z < 5.0 ? near : far) += scaled * scaled;
+      ++(z < 5.0 ? nears : fars);
+    }
+  }
+  ASSERT_GT(nears, 10000);
+  ASSERT_GT(fars, 10000);
+  EXPECT_NEAR(std::sqrt(near / nears), 0.0014, 0.0001);
+  EXPECT_NEAR(std::sqrt(far / fars), 0.0014, 0.0001);
+  EXPECT_GT(holes, in_range / 50);
+  EXPECT_LT(holes, in_range / 2);
+}
+
+TEST(SyntheticTruth, TheProjectorsShadowLiesLeftOfANearerSurface) {
+  RenderedView view;
+  view.depth = cv::Mat1f(1, 200, 8.0F);
+  view.depth.colRange(100, 140).setTo(1.0F);
+  view.reflectance = cv::Mat2f(1, 200, cv::Vec2f(0.5F, 0.0F));
+  const StereoCamera camera = street_camera({200, 100});
+  cv::Mat1f depth;
+  sense_depth(view, camera, 1, depth);
+  const double gap = camera.fx * kProjectorBaseline * (1.0 - 1.0 / 8.0);  // 7.6 pixels
+  for (int u = 0; u < 200; ++u) {
+    const bool hidden = u < 100 && u >= 100.0 - gap;
+    EXPECT_EQ(depth(0, u) == 0.0F, hidden) << u;
+  }
+}
+
+// Share of the image that shows the lorry which leads the camera, frame by frame.
+std::vector<double> share_of_lorry(const char* preset, int frames) {
+  StreetSequence street({.street = street_preset(preset), .frames = frames, .size = {155, 47}});
+  int id = 0;
+  for (const Object& object : street.world().objects) {
+    if (object.motion.leads) id = object.instance;
+  }
+  EXPECT_NE(id, 0);
+  std::vector<double> shares;
+  StreetFrame frame;
+  for (int i = 0; i < frames; i += 6) {
+    street.render(i, frame);
+    shares.push_back(cv::countNonZero(frame.left.instance == id) / static_cast<double>(155 * 47));
+  }
+  return shares;
+}
+
+TEST(SyntheticTruth, TheLorryHidesItsShareOfTheImageForTheWholeDrive) {
+  // 284 frames: two thirds of the way round the block.
+  for (const double share : share_of_lorry("lorry", 284)) {
+    EXPECT_GT(share, 0.05);
+    EXPECT_LT(share, 0.31);
+  }
+  const std::vector<double> close = share_of_lorry("lorry-close", 284);
+  const double most = *std::max_element(close.begin(), close.end());
+  EXPECT_GT(most, 0.7);
+  EXPECT_LT(most, 0.9);
+}
+
+TEST(SyntheticTruth, TheShareOfMovingCarsIsWhatIsAskedFor) {
+  const Drive drive = make_drive("straight", 200);
+  const auto count = [&](float share) {
+    StreetSettings settings = street_preset("street");
+    settings.moving = share;
+    settings.car_ahead = false;
+    int moving = 0, all = 0;
+    for (const Object& object : build_street(drive, settings, 1).objects) {
+      if (object.object_class != ObjectClass::car && object.object_class != ObjectClass::truck) continue;
+      ++all;
+      moving += object.motion.moves ? 1 : 0;
+    }
+    EXPECT_GT(all, 20);
+    return static_cast<double>(moving) / all;
+  };
+  EXPECT_EQ(count(0.0F), 0.0);
+  EXPECT_NEAR(count(0.2F), 0.2, 0.08);
+  EXPECT_EQ(count(1.0F), 1.0);
+}
+
+TEST(SyntheticTruth, SettingsChangeWhatTheyShould) {
+  const auto image = [](const StreetSettings& settings) {
+    StreetSequence street({.street = settings, .path = "straight", .size = {310, 94}});
+    StreetFrame frame;
+    street.render(3, frame);
+    return frame.left_grey.clone();
+  };
+  const auto corners = [](const cv::Mat1b& grey) {
+    std::vector<cv::KeyPoint> found;
+    cv::FastFeatureDetector::create(20)->detect(grey, found);
+    return found.size();
+  };
+  const cv::Mat1b normal = image({});
+  StreetSettings settings;
+  settings.texture = 0.0F;
+  EXPECT_LT(corners(image(settings)), corners(normal) * 4 / 5);
+  settings = {};
+  settings.noise = 0.0F;
+  const cv::Mat1b clean = image(settings);
+  EXPECT_NEAR(cv::norm(clean, normal, cv::NORM_L2) / std::sqrt(310.0 * 94.0), 1.3, 0.2);
+  settings.shutter = 0.1F;
+  EXPECT_LT(corners(image(settings)), corners(clean) * 4 / 5);
+  for (const Light light : {Light::overcast, Light::evening}) {
+    settings = {};
+    settings.light = light;
+    EXPECT_GT(cv::norm(image(settings), normal, cv::NORM_L1) / (310.0 * 94.0), 3.0);
+  }
+  settings = {};
+  settings.glare = 1.0F;
+  EXPECT_GT(cv::norm(image(settings), normal, cv::NORM_L1) / (310.0 * 94.0), 3.0);
+}
+
+TEST(SyntheticTruth, ValuesOutOfRangeAreUsageErrors) {
+  const auto expect_refused = [](const auto& change) {
+    SequenceSettings settings;
+    change(settings);
+    EXPECT_THROW(StreetSequence{settings}, UsageError);
+  };
+  expect_refused([](SequenceSettings& s) { s.street.moving = 1.5F; });
+  expect_refused([](SequenceSettings& s) { s.street.parked_cars = -0.1F; });
+  expect_refused([](SequenceSettings& s) { s.street.texture = NAN; });
+  expect_refused([](SequenceSettings& s) { s.street.lorry = LorryAhead{0.0F, 5.0F}; });
+  expect_refused([](SequenceSettings& s) { s.street.lorry = LorryAhead{9.0F, 5.0F}; });
+  expect_refused([](SequenceSettings& s) { s.street.shutter = 1.0F; });
+  expect_refused([](SequenceSettings& s) {
+    s.sensor = Sensor::rgbd;
+    s.flow = true;
+  });
+}
+
+// A SLAM system needs features near (they fix the translation) and far (they fix the rotation).
+TEST(SyntheticTruth, OrbFindsFeaturesAtAllDepths) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    StreetSequence street({.size = {1241, 376}, .seed = seed});
+    StreetFrame frame;
+    street.render(20, frame);
+    Features features;
+    OrbExtractor({}).extract(frame.left_grey, features);
+    int near = 0, middle = 0, far = 0;
+    for (const Keypoint& point : features.keypoints) {
+      const float z = frame.left.depth(static_cast<int>(point.v), static_cast<int>(point.u));
+      near += z > 0.0F && z < 12.0F ? 1 : 0;
+      middle += z >= 12.0F && z < 30.0F ? 1 : 0;
+      far += z >= 30.0F ? 1 : 0;
+    }
+    EXPECT_GT(near, 150) << "seed " << seed;
+    EXPECT_GT(middle, 150) << "seed " << seed;
+    EXPECT_GT(far, 150) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace penumbra::slam::synthetic
