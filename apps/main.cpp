@@ -1,8 +1,7 @@
 // penumbra: stereo visual SLAM that sees half-hidden things. This file parses the command line, picks the
 // subcommand and turns exceptions into exit codes: 0 done, 1 failed while running, 2 wrong arguments.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
 #include <cerrno>
 #include <csignal>
@@ -13,6 +12,8 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/commands.h"
+#include "apps/common/log.h"
+#include "apps/view/embedded_files.h"
 #include "nn/base/error.h"
 
 namespace {
@@ -25,7 +26,7 @@ constexpr int kExitUsage = 2;
 // (`| head`) has seen what he wanted.
 bool standard_output_is_whole() {
   if (std::fflush(stdout) == 0 || errno == EPIPE) return true;
-  spdlog::error("standard output: cannot be written: {}", std::strerror(errno));
+  penumbra::apps::log_error("standard output: cannot be written: {}", std::strerror(errno));
   return false;
 }
 
@@ -35,12 +36,16 @@ int main(int argc, char** argv) {
   penumbra::apps::remember_command_line(argc, argv);
   // A file that grows beyond the shell's limit is an error like a full disk, not the end of the program.
   std::signal(SIGXFSZ, SIG_IGN);
-  // Results go to stdout, everything else to stderr.
-  spdlog::set_default_logger(spdlog::stderr_color_mt("penumbra"));
-  spdlog::set_pattern("%^%l%$: %v");
 
   CLI::App app{"Penumbra: stereo visual SLAM that sees half-hidden things", "penumbra"};
   app.set_version_flag("--version", std::string("penumbra ") + penumbra::apps::kVersion);
+  app.add_flag_callback(
+      "--licences",
+      [] {
+        fmt::print("{}", penumbra::apps::embedded::licences());
+        throw CLI::Success();
+      },
+      "the licences of the libraries in this program and in its report's page");
   app.require_subcommand(1);
   app.footer("Run `penumbra COMMAND --help` for a command's options and examples.");
 
@@ -64,10 +69,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   } catch (const penumbra::UsageError& error) {
-    spdlog::error("{}", error.what());
+    penumbra::apps::log_error("{}", error.what());
     return kExitUsage;
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
+    penumbra::apps::log_error("{}", error.what());
     return kExitFailed;
   }
   return standard_output_is_whole() ? 0 : kExitFailed;

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <memory>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -97,7 +96,7 @@ void bench_layers(const BenchmarkOptions& options) {
   LayerTable table(options);
   nn::Arena maps;
 
-  const cv::Mat3b image(375, 1242, cv::Vec3b(10, 120, 200));
+  const ByteImage image = ByteImage::filled(1242, 375, 120, 3);
   table.add("resize and normalise 1242x375", 1e-6 * (3.0 * 375 * 1242 + 16.0 * kHeight * kWidth),
             [&](nn::Arena& arena) { nn::transform_image(image, {}, arena, 3); });
 

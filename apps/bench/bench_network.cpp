@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,22 +33,19 @@ struct NetworkBenchmarkOptions {
   nn::MaskRcnnConfig config;
 };
 
-cv::Mat noise_image(const std::string& size) {
-  const std::optional<cv::Size> pixels = parse_image_size(size);
+ByteImage noise_image(const std::string& size) {
+  const std::optional<Size> pixels = parse_image_size(size);
   if (!pixels || pixels->width < 1 || pixels->height < 1 || pixels->width > 8192 || pixels->height > 8192) {
     throw UsageError("--size: expected WIDTHxHEIGHT up to 8192, found '" + size + "'");
   }
-  cv::Mat3b image(*pixels);
-  std::uint32_t i = 0;
-  for (cv::Vec3b& pixel : image) {
-    for (int c = 0; c < 3; ++c) {
-      pixel[c] = static_cast<std::uint8_t>(127.5F + 127.0F * counter_uniform_f32(1, i++));
-    }
+  ByteImage image(pixels->width, pixels->height, 3);
+  for (std::uint32_t i = 0; i < image.elements(); ++i) {
+    image.data()[i] = static_cast<std::uint8_t>(127.5F + 127.0F * counter_uniform_f32(1, i));
   }
   return image;
 }
 
-std::unique_ptr<nn::MaskRcnn> make_network(const NetworkBenchmarkOptions& options, const cv::Mat& image) {
+std::unique_ptr<nn::MaskRcnn> make_network(const NetworkBenchmarkOptions& options, const ByteImage& image) {
   nn::MaskRcnnConfig config = options.config;
   config.box_head.max_detections = options.detections;
   if (!options.weights.empty()) {
@@ -68,7 +64,7 @@ std::unique_ptr<nn::MaskRcnn> make_network(const NetworkBenchmarkOptions& option
 }
 
 void bench_network(const NetworkBenchmarkOptions& options) {
-  const cv::Mat image = noise_image(options.size);
+  const ByteImage image = noise_image(options.size);
   const std::unique_ptr<nn::MaskRcnn> network = make_network(options, image);
   const nn::ImageExtent extent = network->input_extent(image);
   const double peak = peak_gflops();

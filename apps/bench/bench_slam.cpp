@@ -1,6 +1,5 @@
 // penumbra bench slam: every recording of a folder, and synthetic drives, as one table.
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -14,6 +13,7 @@
 
 #include "apps/bench/benchmark.h"
 #include "apps/bench/child_process.h"
+#include "apps/common/log.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/sources/euroc.h"
@@ -109,7 +109,7 @@ Job street(const fs::path& folder, const std::string& path, int frames) {
   const fs::path made = folder / name, unfinished = folder / (name + ".unfinished");
   if (!slam::is_folder(made)) {
     fs::create_directories(folder);
-    spdlog::info("making {}", made.string());
+    log_info("making {}", made.string());
     run_or_throw({"synth", "--path", path, "--frames", std::to_string(frames), "--out", unfinished.string(),
                   "--overwrite"},
                  folder / (name + ".log"));
@@ -162,13 +162,13 @@ ordered_json run_job(const Job& job, const SlamBenchmarkOptions& options) {
       arguments.insert(arguments.end(), job.arguments.begin(), job.arguments.end());
       arguments.insert(arguments.end(), {"--out", out.string()});
       if (options.deterministic) arguments.push_back("--deterministic");
-      spdlog::info("{}, run {} of {}", job.name, i + 1, options.repeats);
+      log_info("{}, run {} of {}", job.name, i + 1, options.repeats);
       run_or_throw(arguments, out / "log.txt");
       runs.push_back(figures(nlohmann::json::parse(nn::read_file(out / "run.json", "a run's report"))));
     }
     row.update(median_of(runs));
   } catch (const Error& error) {
-    spdlog::error("{}", error.what());
+    log_error("{}", error.what());
     row["error"] = error.what();
   }
   return row;

@@ -1,7 +1,6 @@
 // penumbra calibrate: the ranges of every layer's inputs, without which a
 // network cannot run in int8.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <memory>
@@ -11,6 +10,7 @@
 
 #include "apps/common/commands.h"
 #include "apps/common/compute_options.h"
+#include "apps/common/log.h"
 #include "nn/base/error.h"
 #include "nn/image/image_file.h"
 #include "nn/io/safetensors.h"
@@ -39,7 +39,7 @@ void calibrate(const CalibrateOptions& options) {
   nn::Arena arena;
   for (const std::string& path : options.images) {
     network->detect(nn::read_image(path, nn::ImageColour::bgr, nn::ImageOrientation::upright), arena);
-    spdlog::info("{}: done", path);
+    log_info("{}: done", path);
   }
   nn::store_input_ranges(ranges, weights);
   nn::write_safetensors(options.output, weights);

@@ -1,6 +1,5 @@
 // penumbra synth: renders a drive through the synthetic street.
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <cstdio>
 #include <memory>
@@ -29,8 +28,8 @@ struct SynthOptions {
   std::optional<std::string> light, lorry;
 };
 
-cv::Size parse_size(const std::string& text) {
-  const std::optional<cv::Size> size = parse_image_size(text);
+Size parse_size(const std::string& text) {
+  const std::optional<Size> size = parse_image_size(text);
   if (!size) throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
   return *size;
 }

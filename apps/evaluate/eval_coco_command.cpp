@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <iterator>
@@ -14,6 +13,7 @@
 
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
+#include "apps/common/log.h"
 #include "nn/base/error.h"
 #include "nn/evaluation/coco_evaluation.h"
 
@@ -69,7 +69,7 @@ bool any_has_segmentation(const Entries& entries) {
 void warn_of_coco_rules(const nn::CocoAnnotations& annotations, const nn::CocoResults& results,
                         nn::CocoRules rules) {
   const auto left_out = [](const std::string& file, std::size_t count, const char* what) {
-    if (count > 0) spdlog::warn("{}: {} {} left out, as the official tool does", file, count, what);
+    if (count > 0) log_warning("{}: {} {} left out, as the official tool does", file, count, what);
   };
   left_out(annotations.file, annotations.of_unknown_images, "annotations of images that it does not list");
   left_out(annotations.file, annotations.of_unknown_categories,
@@ -81,13 +81,13 @@ void warn_of_coco_rules(const nn::CocoAnnotations& annotations, const nn::CocoRe
       std::count_if(annotations.annotations.begin(), annotations.annotations.end(),
                     [](const auto& object) { return object.has_id_0 && !object.is_crowd; });
   if (with_id_0 > 0) {
-    spdlog::warn(
+    log_warning(
         "{}: {} annotation has the id 0, and the official tool counts each hit of it as a miss; --rules "
         "sensible counts it as a hit",
         annotations.file, with_id_0);
   }
   if (results.with_boxes > 0 && results.with_boxes < results.results.size()) {
-    spdlog::warn(
+    log_warning(
         "{}: {} of {} results have a bbox; the first has {}, so by the official tool's rule the size of {} "
         "is that of {} (APs, APm, APl); --rules sensible takes each by what it has",
         results.file, results.with_boxes, results.results.size(), results.first_has_box ? "one" : "none",
@@ -111,11 +111,11 @@ CocoRegions choose_regions(const std::string& type, const nn::CocoAnnotations& a
   const std::optional<InputError> of_boxes = problem(&nn::CocoProblems::boxes),
                                   of_masks = problem(&nn::CocoProblems::masks);
   if (regions.masks && of_masks) {
-    spdlog::warn("masks are not compared: {}", of_masks->what());
+    log_warning("masks are not compared: {}", of_masks->what());
     regions.masks = false;
   }
   if (regions.masks && of_boxes) {
-    spdlog::warn("boxes are not compared: {}", of_boxes->what());
+    log_warning("boxes are not compared: {}", of_boxes->what());
     regions.boxes = false;
   }
   return regions;

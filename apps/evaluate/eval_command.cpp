@@ -1,7 +1,6 @@
 // penumbra eval: how far an estimated trajectory is from the ground truth.
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <cstdio>
 #include <limits>
@@ -11,9 +10,9 @@
 
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
+#include "apps/common/log.h"
 #include "apps/evaluate/evaluation_report.h"
 #include "apps/evaluate/trajectory_pairing.h"
-#include "nn/image/image_file.h"
 #include "slam/evaluation/trajectory_plot.h"
 
 namespace penumbra::apps {
@@ -24,7 +23,7 @@ constexpr const char* kEvalExamples = R"(Examples:
   penumbra eval --groundtruth poses/00.txt --estimate out/trajectory_kitti.txt
   penumbra eval --groundtruth poses/00.txt --frames 0:100 --estimate out/trajectory_kitti.txt --segments 10,20,30,40,50
   penumbra eval --groundtruth groundtruth.txt --estimate trajectory_tum.txt --align sim3 --json
-  penumbra eval --groundtruth poses/00.txt --estimate a.txt --plot a.png
+  penumbra eval --groundtruth poses/00.txt --estimate a.txt --plot a.svg
 
 The numbers are those of evo (evo_ape, evo_rpe) and of the KITTI development kit; see docs/evaluation.md.)";
 
@@ -43,7 +42,7 @@ void write_plot(const EvalOptions& options, const slam::TrajectoryPair& pair,
       fmt::format("top view, {} poses, {:.1f} m, APE {:.3f} m rmse (alignment {})", evaluation.poses,
                   evaluation.kitti.path_length, evaluation.ape.rmse, options.alignment);
   plot.plane = format == slam::TrajectoryFormat::kitti ? slam::PlotPlane::xz : slam::PlotPlane::xy;
-  nn::write_image(options.plot, slam::draw_trajectories(evaluation.aligned_estimate, pair.reference, plot));
+  slam::write_plot(options.plot, slam::draw_trajectories(evaluation.aligned_estimate, pair.reference, plot));
 }
 
 void run_eval(EvalOptions options) {
@@ -54,7 +53,7 @@ void run_eval(EvalOptions options) {
   const slam::Evaluation evaluation =
       slam::evaluate_trajectory(pair.reference, pair.estimate, options.evaluation);
   if (!evaluation.alignment.is_unique) {
-    spdlog::warn(
+    log_warning(
         "the path is straight or does not move: of the alignments that fit equally, the smallest turn is "
         "used");
   }
@@ -113,7 +112,8 @@ void add_eval_command(CLI::App& app) {
       ->add_option("--time-offset", pairing.time_offset,
                    "seconds to add to the estimate's times before they are compared")
       ->check(number_from(-kMost, kMost, "a finite number"));
-  command->add_option("--plot", options->plot, "also draw both paths from above into this .png or .jpg");
+  command->add_option("--plot", options->plot,
+                      "also draw both paths from above into this .svg, .png or .jpg");
   command->add_flag("--json", options->json, "print JSON instead of tables");
   command->callback([options] { run_eval(*options); });
 }

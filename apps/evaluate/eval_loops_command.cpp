@@ -1,7 +1,6 @@
 // penumbra eval-loops: precision and recall of a run's loops, and of the place index by itself.
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <map>
@@ -11,6 +10,7 @@
 
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
+#include "apps/common/log.h"
 #include "apps/view/loops_report.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
@@ -110,7 +110,7 @@ slam::Trajectory true_poses(const EvalLoopsOptions& options, const Run& run) {
   const slam::TrajectoryFormat format = slam::detect_trajectory_format(options.ground_truth);
   slam::Notes notes;
   const slam::Trajectory all = slam::read_trajectory(options.ground_truth, format, &notes);
-  for (const std::string& note : notes) spdlog::warn("{}", note);
+  for (const std::string& note : notes) log_warning("{}", note);
   if (!has_times(format)) {
     slam::Trajectory truth;
     for (const int frame : frames) {

@@ -1,10 +1,11 @@
 // penumbra match-eval: feature matching with and without the mismatch filter against the true motion.
 
+#include "apps/evaluate/match_eval_command.h"
+
 #include <fmt/core.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,6 @@
 #include "apps/common/finite_number.h"
 #include "apps/common/progress_bar.h"
 #include "nn/base/error.h"
-#include "nn/image/image_file.h"
 #include "slam/evaluation/matching_evaluation.h"
 #include "slam/evaluation/matching_plot.h"
 #include "slam/sources/kitti.h"
@@ -27,11 +27,11 @@ namespace {
 constexpr const char* kMatchEvalExamples = R"(Examples:
   penumbra match-eval kitti                                  every sequence that has ground truth
   penumbra match-eval kitti --sequence 00 --sequence 06 --frames 0:50 --json
-  penumbra match-eval V1_01_easy --step 2 --plot removed.png
+  penumbra match-eval V1_01_easy --step 2 --plot removed.svg
 
 Each image is matched with the one before it: each other's nearest descriptors, without prediction. A pair is
 effective if each of its points is within --threshold pixels of the other's epipolar line under the true motion.
-SIFT stands in for SURF, which Debian's OpenCV lacks. The compensated filter knows the features' stereo depth and
+The compensated filter knows the features' stereo depth and
 predicts that the camera goes on as it did in the true path up to the image before. Time is for features of one
 image, matching and filter, without the stereo matching. The filters are described in
 docs/slam/mismatch-filter.md.)";
@@ -41,7 +41,8 @@ struct MatchEvalOptions {
   std::string plot;
   std::vector<std::string> sequences;
   slam::MatchingSettings matching;
-  bool no_sift = false, json = false;
+  std::string baseline_name;  // empty: none
+  bool no_baseline = false, json = false;
 };
 
 // Averages over a sequence's pairs of images.
@@ -115,7 +116,11 @@ Row variance_of(const std::vector<Sequence>& sequences, std::size_t method) {
 }
 
 bool is_shown(slam::MatchingMethod method, const MatchEvalOptions& options) {
-  return method != slam::MatchingMethod::sift || options.matching.sift;
+  return method != slam::MatchingMethod::baseline || options.matching.baseline;
+}
+
+std::string shown_name(slam::MatchingMethod method, const MatchEvalOptions& options) {
+  return method == slam::MatchingMethod::baseline ? options.baseline_name : name_of(method);
 }
 
 nlohmann::json to_json(const Row& row) {
@@ -135,32 +140,33 @@ void print_json(const std::vector<Sequence>& sequences, const MatchEvalOptions& 
     nlohmann::json methods;
     for (const slam::MatchingMethod method : slam::kMatchingMethods) {
       if (is_shown(method, options))
-        methods[name_of(method)] = to_json(s.rows[static_cast<std::size_t>(method)]);
+        methods[shown_name(method, options)] = to_json(s.rows[static_cast<std::size_t>(method)]);
     }
     json["sequences"].push_back({{"name", s.name}, {"image_pairs", s.images}, {"methods", methods}});
   }
   for (const slam::MatchingMethod method : slam::kMatchingMethods) {
     if (!is_shown(method, options)) continue;
     const std::size_t m = static_cast<std::size_t>(method);
-    json["mean"][name_of(method)] = to_json(mean_of(sequences, m));
-    json["variance"][name_of(method)] = to_json(variance_of(sequences, m));
+    json["mean"][shown_name(method, options)] = to_json(mean_of(sequences, m));
+    json["variance"][shown_name(method, options)] = to_json(variance_of(sequences, m));
   }
   fmt::print("{}\n", json.dump(2));
 }
 
-void print_row(const std::string& name, slam::MatchingMethod method, const Row& row) {
-  fmt::print("{:<22} {:<22} {:8.1f} {:10.1f} {:9.1f} {:9.2f} {:10.4f}\n", name, name_of(method), row.pairs,
+void print_row(const std::string& name, const std::string& method, const Row& row) {
+  fmt::print("{:<22} {:<22} {:8.1f} {:10.1f} {:9.1f} {:9.2f} {:10.4f}\n", name, method, row.pairs,
              row.effective, row.rate, row.ms, row.filter_ms);
 }
 
 void print_table(const std::vector<Sequence>& sequences, const MatchEvalOptions& options) {
-  fmt::print("effective: within {:g} px of the epipolar lines of the true motion; SIFT stands in for SURF\n",
+  fmt::print("effective: within {:g} px of the epipolar lines of the true motion\n",
              options.matching.threshold);
   fmt::print("{:<22} {:<22} {:>8} {:>10} {:>9} {:>9} {:>10}\n", "sequence", "method", "pairs", "effective",
              "rate %", "time ms", "filter ms");
   const auto print_all = [&](const std::string& name, const auto& row_of) {
     for (const slam::MatchingMethod method : slam::kMatchingMethods) {
-      if (is_shown(method, options)) print_row(name, method, row_of(static_cast<std::size_t>(method)));
+      if (is_shown(method, options))
+        print_row(name, shown_name(method, options), row_of(static_cast<std::size_t>(method)));
     }
   };
   for (const Sequence& s : sequences) print_all(s.name, [&](std::size_t m) { return s.rows[m]; });
@@ -190,17 +196,16 @@ void write_plot(const std::vector<Sequence>& sequences, const MatchEvalOptions& 
   }
   const std::string title =
       sequences.size() == 1 ? sequences.front().name : fmt::format("{} sequences", sequences.size());
-  nn::write_image(options.plot,
-                  slam::draw_displacements("What the histogram filter removes: " + title, panels));
+  slam::write_plot(options.plot,
+                   slam::draw_displacements("What the histogram filter removes: " + title, panels));
 }
 
 void run_match_eval(MatchEvalOptions options) {
-  options.matching.sift = !options.no_sift;
+  if (options.no_baseline) options.matching.baseline = {};
   slam::DatasetOptions from = dataset_options(options.dataset);
   const std::string& folder = options.dataset.folder;
   if (options.sequences.empty()) options.sequences = slam::kitti_sequences(folder);
   if (options.sequences.empty()) options.sequences = {""};
-  cv::setNumThreads(1);
   std::vector<Sequence> sequences;
   for (const std::string& name : options.sequences) {
     from.sequence = name;
@@ -216,8 +221,10 @@ void run_match_eval(MatchEvalOptions options) {
 
 }  // namespace
 
-void add_match_eval_command(CLI::App& app) {
+void add_match_eval_command(CLI::App& app, slam::BaselineMaker baseline) {
   const auto options = std::make_shared<MatchEvalOptions>();
+  options->matching.baseline = std::move(baseline);
+  if (options->matching.baseline) options->baseline_name = options->matching.baseline()->name();
   CLI::App* command =
       app.add_subcommand("match-eval", "Compare feature matching, with and without the mismatch filter");
   command->footer(kMatchEvalExamples);
@@ -230,10 +237,15 @@ void add_match_eval_command(CLI::App& app) {
   command->add_option("--features", options->matching.orb_features, "ORB features per image")
       ->check(CLI::Range(10, 20000))
       ->capture_default_str();
-  command->add_flag("--no-sift", options->no_sift, "leave SIFT out");
+  // Without a baseline the flag has nothing to leave out, but scripts may have it.
+  command->add_flag("--no-sift", options->no_baseline, "leave SIFT out")
+      ->group(options->matching.baseline ? "Options" : "");
   command->add_flag("--json", options->json, "print JSON");
-  command->add_option("--plot", options->plot, "PNG of the displacements that the filters keep and remove");
+  command->add_option("--plot", options->plot,
+                      "SVG (or PNG) of the displacements that the filters keep and remove");
   command->callback([options] { run_match_eval(*options); });
 }
+
+void add_match_eval_command(CLI::App& app) { add_match_eval_command(app, {}); }
 
 }  // namespace penumbra::apps

@@ -1,11 +1,11 @@
 #include "apps/evaluate/trajectory_pairing.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "apps/common/log.h"
 #include "nn/base/error.h"
 #include "slam/sources/frame_range.h"
 
@@ -44,7 +44,7 @@ Formats find_formats(const PairingOptions& options) {
 slam::Trajectory read_with_notes(const std::string& path, TrajectoryFormat format) {
   slam::Notes notes;
   slam::Trajectory trajectory = slam::read_trajectory(path, format, &notes);
-  for (const std::string& note : notes) spdlog::warn("{}", note);
+  for (const std::string& note : notes) log_warning("{}", note);
   return trajectory;
 }
 
@@ -66,7 +66,7 @@ slam::TrajectoryPair pair_by_line(const PairingOptions& options, slam::Trajector
     truth = slam::Trajectory(first, first + size);
   }
   if (by_number && options.frames.empty()) {
-    spdlog::warn("the poses are paired by the numbers of their frames");
+    log_warning("the poses are paired by the numbers of their frames");
     return slam::associate_by_time(truth, estimate, 0.0);
   }
   if (truth.size() != estimate.size()) {
@@ -76,7 +76,7 @@ slam::TrajectoryPair pair_by_line(const PairingOptions& options, slam::Trajector
                      fmt::format("{} (--frames A:B picks a part of the ground truth)", estimate.size()));
   }
   if (estimate_has_times)
-    spdlog::warn("the ground truth has no times: line i belongs to pose i of the estimate");
+    log_warning("the ground truth has no times: line i belongs to pose i of the estimate");
   return {truth, estimate};
 }
 
@@ -100,8 +100,8 @@ PairedTrajectories pair_trajectories(const PairingOptions& options) {
   }
   for (slam::TimedPose& pose : estimate) pose.timestamp += options.time_offset;
   slam::TrajectoryPair pair = slam::associate_by_time(truth, estimate, options.max_time_difference);
-  spdlog::info("{} of {} estimated poses have a ground truth within {:g} s", pair.estimate.size(),
-               estimate.size(), options.max_time_difference);
+  log_info("{} of {} estimated poses have a ground truth within {:g} s", pair.estimate.size(),
+           estimate.size(), options.max_time_difference);
   return {std::move(pair), formats.truth, truth.size(), estimate.size()};
 }
 
@@ -116,10 +116,10 @@ void check_pair_count(const PairedTrajectories& paired, slam::Alignment alignmen
                      fmt::format("{}: {}", pairs, counts));
   }
   if (2 * pairs < std::min(paired.in_estimate, paired.in_truth)) {
-    spdlog::warn("only {} belong together: do the clocks agree (--time-offset, --max-time-difference)?",
-                 counts);
+    log_warning("only {} belong together: do the clocks agree (--time-offset, --max-time-difference)?",
+                counts);
   } else if (pairs < kFewPairs && pairs < std::max(paired.in_estimate, paired.in_truth)) {
-    spdlog::warn("only {} belong together: figures from so few say little", counts);
+    log_warning("only {} belong together: figures from so few say little", counts);
   }
 }
 

@@ -1,6 +1,5 @@
 // penumbra classify: images in, class names and probabilities out.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 
 #include "apps/common/commands.h"
 #include "apps/common/compute_options.h"
+#include "apps/common/log.h"
 #include "apps/network/image_list.h"
 #include "apps/network/load_network.h"
 #include "nn/base/error.h"
@@ -53,11 +53,11 @@ void classify(const ClassifyOptions& options) {
   const std::vector<ListedImage> images = list_files(options.images);
   for (const ListedImage& listed : images) {
     const std::string path = listed.path.string();
-    cv::Mat image;
+    ByteImage image;
     try {
       image = read_listed_image(listed, options.orientation);
     } catch (const Error& error) {  // the other images are still done
-      spdlog::error("{}", error.what());
+      log_error("{}", error.what());
       ++failed;
       continue;
     }

@@ -1,6 +1,5 @@
 // penumbra convert: any checkpoint that Penumbra reads to safetensors.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "apps/common/commands.h"
+#include "apps/common/log.h"
 #include "apps/network/load_network.h"
 #include "nn/base/error.h"
 #include "nn/base/nearest_word.h"
@@ -55,8 +55,8 @@ void convert(const ConvertOptions& options) {
 
   const std::vector<std::string> left_out = weights_tools::leave_out_unwritable(state);
   if (!left_out.empty()) {
-    spdlog::warn("{} tensors of C128 left out, which safetensors does not have: {}{}", left_out.size(),
-                 printable(left_out.front()), left_out.size() > 1 ? ", ..." : "");
+    log_warning("{} tensors of C128 left out, which safetensors does not have: {}{}", left_out.size(),
+                printable(left_out.front()), left_out.size() > 1 ? ", ..." : "");
   }
   if (state.tensors.empty()) throw InputError(options.input, "tensors that safetensors can hold", "none");
 
@@ -65,9 +65,9 @@ void convert(const ConvertOptions& options) {
     const nn::DataType type = options.dtype == "f16" ? nn::DataType::f16 : nn::DataType::f32;
     weights_tools::FloatConversion conversion = weights_tools::convert_floats(state, type);
     if (!conversion.out_of_range.empty()) {
-      spdlog::warn("{} tensors stay f32, their values lie beyond the range of {}: {}{}",
-                   conversion.out_of_range.size(), options.dtype, printable(conversion.out_of_range.front()),
-                   conversion.out_of_range.size() > 1 ? ", ..." : "");
+      log_warning("{} tensors stay f32, their values lie beyond the range of {}: {}{}",
+                  conversion.out_of_range.size(), options.dtype, printable(conversion.out_of_range.front()),
+                  conversion.out_of_range.size() > 1 ? ", ..." : "");
     }
     state = std::move(conversion.state);
     converted = conversion.converted;

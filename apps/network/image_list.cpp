@@ -1,7 +1,6 @@
 #include "apps/network/image_list.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <map>
 #include <span>
 
+#include "apps/common/log.h"
 #include "nn/base/error.h"
 #include "nn/image/exif.h"
 #include "nn/image/image_file.h"
@@ -50,14 +50,13 @@ std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder
 }
 
 // Of 16-bit files the bits that are filled count, as in recordings; here each image is judged by itself.
-cv::Mat read_photograph(const std::filesystem::path& path, nn::ImageOrientation orientation) {
+ByteImage read_photograph(const std::filesystem::path& path, nn::ImageOrientation orientation) {
   const nn::ImageInfo info = nn::read_image_info(path);
   if (info.bit_depth != 16) return nn::read_image(path, nn::ImageColour::bgr, orientation);
   std::vector<std::string> unused;
   const slam::ImageLevels levels(std::span(&path, 1), std::nullopt, unused);
-  if (levels.bits() < 16)
-    spdlog::warn("{}: {} of 16 bits are taken to be used", path.string(), levels.bits());
-  const cv::Mat image = levels.read(path, nn::ImageColour::bgr);
+  if (levels.bits() < 16) log_warning("{}: {} of 16 bits are taken to be used", path.string(), levels.bits());
+  const ByteImage image = levels.read(path, nn::ImageColour::bgr);
   return orientation == nn::ImageOrientation::upright ? nn::turn_upright(image, info.orientation) : image;
 }
 
@@ -86,24 +85,24 @@ std::vector<ListedImage> list_coco_images(const std::filesystem::path& folder,
     if (image.file_name.empty()) {
       throw InputError(fmt::format("{}: images, entry {}", data_set.file, i), "a file_name", "none");
     }
-    std::optional<cv::Size> size;
-    if (image.width > 0 && image.height > 0) size = cv::Size(image.width, image.height);
+    std::optional<Size> size;
+    if (image.width > 0 && image.height > 0) size = Size{image.width, image.height};
     images.push_back({folder / image.file_name, image.id, size});
   }
   return images;
 }
 
-cv::Mat read_listed_image(const ListedImage& listed, nn::ImageOrientation orientation) {
-  cv::Mat image = read_photograph(listed.path, orientation);
+ByteImage read_listed_image(const ListedImage& listed, nn::ImageOrientation orientation) {
+  ByteImage image = read_photograph(listed.path, orientation);
   // The annotations of some data sets were made on the rows as they lie in the file.
-  if (listed.size && image.size() != *listed.size && cv::Size(image.rows, image.cols) == *listed.size) {
+  if (listed.size && image.size() != *listed.size && Size{image.height(), image.width()} == *listed.size) {
     image = read_photograph(listed.path, nn::ImageOrientation::sensor);
   }
   if (listed.size && image.size() != *listed.size) {
     throw InputError(
         listed.path.string(),
         fmt::format("{} x {} pixels as in the annotations", listed.size->width, listed.size->height),
-        fmt::format("{} x {}", image.cols, image.rows));
+        fmt::format("{} x {}", image.width(), image.height()));
   }
   return image;
 }

@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,8 +15,8 @@ namespace penumbra::apps {
 
 struct ListedImage {
   std::filesystem::path path;
-  nn::CocoImageId id;            // in result files
-  std::optional<cv::Size> size;  // that it must have
+  nn::CocoImageId id;        // in result files
+  std::optional<Size> size;  // that it must have
 };
 
 // Files, and the images in folders (by their endings, in the order of the numbers in their names), with ids
@@ -33,7 +32,7 @@ std::vector<ListedImage> list_coco_images(const std::filesystem::path& folder,
 
 // Reads the image as 8-bit BGR, turned upright as its EXIF data say unless `orientation` or the expected size
 // ask for the sensor's rows. Throws InputError where it is not readable or of another size than expected.
-cv::Mat read_listed_image(const ListedImage& image, nn::ImageOrientation orientation);
+ByteImage read_listed_image(const ListedImage& image, nn::ImageOrientation orientation);
 
 // Adds --ignore-exif, which sets `orientation`.
 void add_orientation_option(CLI::App* command, nn::ImageOrientation& orientation);

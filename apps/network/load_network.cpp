@@ -1,7 +1,6 @@
 #include "apps/network/load_network.h"
 
-#include <spdlog/spdlog.h>
-
+#include "apps/common/log.h"
 #include "nn/base/text.h"
 #include "nn/models/class_names.h"
 #include "weights_tools/load_weights.h"
@@ -10,7 +9,7 @@ namespace penumbra::apps {
 
 nn::StateDict load_noted_weights(const std::filesystem::path& path, const std::string& key) {
   nn::StateDict weights = weights_tools::load_weights(path, key);
-  for (const std::string& note : weights.notes) spdlog::info("{}: {}", printable(weights.source, 400), note);
+  for (const std::string& note : weights.notes) log_info("{}: {}", printable(weights.source, 400), note);
   return weights;
 }
 

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+
+#include "nn/image/colour.h"
+#include "nn/image/drawing.h"
+#include "nn/image/resize.h"
 
 namespace penumbra::apps {
 
@@ -14,86 +17,99 @@ constexpr int kSmallestWidth = 640;  // pixels
 constexpr double kMaskOpacity = 0.45;
 
 // A colour of its own for every instance: hues a golden angle apart stay far from each other.
-cv::Scalar instance_colour(std::size_t i) {
-  const double hue = std::fmod(0.09 + 0.61803398875 * static_cast<double>(i), 1.0);
-  cv::Mat3b pixel(1, 1, cv::Vec3b(static_cast<std::uint8_t>(hue * 180.0), 200, 255));
-  cv::cvtColor(pixel, pixel, cv::COLOR_HSV2BGR);
-  return {static_cast<double>(pixel(0)[0]), static_cast<double>(pixel(0)[1]),
-          static_cast<double>(pixel(0)[2])};
+Bgr instance_colour(std::size_t i) {
+  constexpr double kSaturation = 200.0 / 255.0;
+  const double hue = 6.0 * std::fmod(0.09 + 0.61803398875 * static_cast<double>(i), 1.0);
+  // Source: the usual hexagon of hue, saturation and value, of which the value is 1.
+  const auto level = [&](double sector) {
+    const double k = std::fmod(sector + hue, 6.0);
+    return static_cast<std::uint8_t>(
+        std::lround(255.0 * (1.0 - kSaturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0))));
+  };
+  return {level(1.0), level(3.0), level(5.0)};
 }
 
 // The mask as an image of `size` pixels, 0 or 255.
-cv::Mat1b full_mask(const nn::Mask& mask, const cv::Size& image, const cv::Size& size) {
-  cv::Mat1b full(image, std::uint8_t{0});
+ByteImage full_mask(const nn::Mask& mask, const Size& image, const Size& size) {
+  ByteImage full = ByteImage::filled(image.width, image.height, 0);
   for (int y = 0; y < mask.height; ++y) {
     for (int x = 0; x < mask.width; ++x) {
-      if (mask.contains(mask.x + x, mask.y + y)) full(mask.y + y, mask.x + x) = 255;
+      if (mask.contains(mask.x + x, mask.y + y)) full.at(mask.x + x, mask.y + y) = 255;
     }
   }
-  if (size != image) cv::resize(full, full, size, 0, 0, cv::INTER_NEAREST);
-  return full;
+  return size == image ? full : resize_nearest<std::uint8_t>(full, size);
 }
 
-void blend(cv::Mat& picture, const cv::Mat1b& mask, const cv::Scalar& colour) {
-  for (int y = 0; y < picture.rows; ++y) {
-    auto* row = picture.ptr<cv::Vec3b>(y);
-    for (int x = 0; x < picture.cols; ++x) {
-      if (mask(y, x) == 0) continue;
-      for (int c = 0; c < 3; ++c) {
-        row[x][c] =
-            cv::saturate_cast<std::uint8_t>((1.0 - kMaskOpacity) * row[x][c] + kMaskOpacity * colour[c]);
+void blend(ByteImage& picture, const ByteImage& mask, const Bgr& colour) {
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      if (mask.at(x, y) == 0) continue;
+      std::uint8_t* pixel = &picture.at(x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double mixed = (1.0 - kMaskOpacity) * pixel[c] + kMaskOpacity * colour[c];
+        pixel[c] = static_cast<std::uint8_t>(std::lround(mixed));
       }
     }
   }
 }
 
-void label(cv::Mat& picture, const std::string& text, cv::Point corner, const cv::Scalar& colour) {
-  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX, kMargin = 3;
-  constexpr double kScale = 0.45;
-  int baseline = 0;
-  const cv::Size size = cv::getTextSize(text, kFont, kScale, 1, &baseline);
-  const int height = size.height + baseline + kMargin;
-  corner.x = std::clamp(corner.x, 0, std::max(picture.cols - size.width - 2 * kMargin, 0));
-  corner.y = std::clamp(corner.y - height, 0, std::max(picture.rows - height, 0));
-  cv::rectangle(picture, {corner.x, corner.y, size.width + 2 * kMargin, height}, colour, cv::FILLED);
-  cv::putText(picture, text, {corner.x + kMargin, corner.y + size.height + kMargin / 2 + 1}, kFont, kScale,
-              {0, 0, 0}, 1, cv::LINE_AA);
+// Two pixels wide: those of the mask that have a neighbour outside of it, and these neighbours.
+void outline(ByteImage& picture, const ByteImage& mask, const Bgr& colour) {
+  const auto inside = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < mask.width() && y < mask.height() && mask.at(x, y) != 0;
+  };
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      const bool here = inside(x, y);
+      if (inside(x - 1, y) != here || inside(x + 1, y) != here || inside(x, y - 1) != here ||
+          inside(x, y + 1) != here) {
+        std::copy(colour.begin(), colour.end(), &picture.at(x, y));
+      }
+    }
+  }
+}
+
+// On a box of `colour` above `corner`, moved to where it lies inside the picture.
+void label(ByteImage& picture, const std::string& text, int x, int y, const Bgr& colour) {
+  constexpr double kCapital = 10.0, kMargin = 3.0, kBelow = 4.0;
+  const double width = text_width(text, kCapital) + 2.0 * kMargin, height = kCapital + kBelow + 2.0 * kMargin;
+  const double left = std::clamp<double>(x, 0.0, std::max(picture.width() - width, 0.0));
+  const double top = std::clamp<double>(y - height, 0.0, std::max(picture.height() - height, 0.0));
+  draw_box(picture, {left, top}, {left + width, top + height}, colour);
+  draw_text(picture, text, {left + kMargin, top + kMargin + kCapital}, kCapital, {0, 0, 0});
 }
 
 }  // namespace
 
-cv::Mat draw_overlay(const cv::Mat& image, const std::vector<nn::Detection>& detections,
-                     const std::vector<std::string>& names, float min_score) {
-  cv::Mat picture;
-  if (image.channels() == 1) {
-    cv::cvtColor(image, picture, cv::COLOR_GRAY2BGR);
-  } else {
-    picture = image.clone();
+ByteImage draw_overlay(const ByteImage& image, const std::vector<nn::Detection>& detections,
+                       const std::vector<std::string>& names, float min_score) {
+  const double scale = std::max(1.0, static_cast<double>(kSmallestWidth) / image.width());
+  ByteImage picture = image.channels() == 1 ? grey_to_bgr(image.view()) : image.clone();
+  if (scale > 1.0) {
+    const auto enlarged = [scale](int extent) { return static_cast<int>(std::lround(extent * scale)); };
+    picture = resize_linear(picture, {enlarged(image.width()), enlarged(image.height())});
   }
-  const double scale = std::max(1.0, static_cast<double>(kSmallestWidth) / picture.cols);
-  if (scale > 1.0) cv::resize(picture, picture, {}, scale, scale, cv::INTER_LINEAR);
 
   std::vector<std::size_t> shown;
   for (std::size_t i = 0; i < detections.size(); ++i) {
     if (detections[i].score >= min_score) shown.push_back(i);
   }
   for (const std::size_t i : shown) {
-    const cv::Mat1b mask = full_mask(detections[i].mask, image.size(), picture.size());
+    const ByteImage mask = full_mask(detections[i].mask, image.size(), picture.size());
     blend(picture, mask, instance_colour(i));
-    std::vector<std::vector<cv::Point>> outlines;
-    cv::findContours(mask, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-    cv::drawContours(picture, outlines, -1, instance_colour(i), 2, cv::LINE_AA);
+    outline(picture, mask, instance_colour(i));
   }
   // Boxes and labels above all masks, the best scores last and so on top.
   for (auto it = shown.rbegin(); it != shown.rend(); ++it) {
     const nn::Detection& detection = detections[*it];
     const auto pixel = [&](float value) { return static_cast<int>(std::lround(value * scale)); };
-    const cv::Point corner(pixel(detection.box.x1), pixel(detection.box.y1));
-    cv::rectangle(picture, corner, {pixel(detection.box.x2), pixel(detection.box.y2)}, instance_colour(*it),
-                  1);
+    const int left = pixel(detection.box.x1), top = pixel(detection.box.y1);
+    const double right = pixel(detection.box.x2), bottom = pixel(detection.box.y2);
+    draw_box(picture, {static_cast<double>(left), static_cast<double>(top)}, {right, bottom},
+             instance_colour(*it), 1.0);
     label(picture,
-          fmt::format("{} {:.2f}", names[static_cast<std::size_t>(detection.label)], detection.score), corner,
-          instance_colour(*it));
+          fmt::format("{} {:.2f}", names[static_cast<std::size_t>(detection.label)], detection.score), left,
+          top, instance_colour(*it));
   }
   return picture;
 }

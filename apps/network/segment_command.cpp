@@ -1,7 +1,6 @@
 // penumbra segment: images in, object instances out, as pictures and as COCO results.
 #include <fmt/format.h>
 #include <omp.h>
-#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "apps/common/compute_options.h"
 #include "apps/common/finite_number.h"
 #include "apps/common/interruption.h"
+#include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
 #include "apps/network/image_list.h"
 #include "apps/network/load_network.h"
@@ -105,8 +105,8 @@ class SegmentRun {
     const std::filesystem::path file = results_file();
     results_.write(file);
     if (left_out_ > 0) {
-      spdlog::warn("{} instances of classes that {} does not have are left out", left_out_,
-                   options_.annotations);
+      log_warning("{} instances of classes that {} does not have are left out", left_out_,
+                  options_.annotations);
     }
     if (options_.json) {
       print_json(file);
@@ -132,7 +132,7 @@ class SegmentRun {
   std::filesystem::path results_file() const {
     const std::filesystem::path folder = options_.out;
     if (is_complete() || !std::filesystem::exists(folder / "results.json")) return folder / "results.json";
-    spdlog::warn(
+    log_warning(
         "{}: left as it is, as not all images were segmented now; the others' results are in "
         "results_partial.json",
         (folder / "results.json").string());
@@ -140,11 +140,11 @@ class SegmentRun {
   }
 
   void segment(const ListedImage& listed) {
-    cv::Mat image;
+    ByteImage image;
     try {
       image = read_listed_image(listed, options_.orientation);
     } catch (const Error& error) {
-      spdlog::error("{}", error.what());
+      log_error("{}", error.what());
       failed_.push_back(listed.path.string());
       return;
     }
@@ -157,7 +157,7 @@ class SegmentRun {
     report(listed, image, detections, seconds);
   }
 
-  void add_result(const ListedImage& listed, const nn::Detection& detection, const cv::Size& size) {
+  void add_result(const ListedImage& listed, const nn::Detection& detection, const Size& size) {
     const auto& category = categories_[static_cast<std::size_t>(detection.label)];
     if (category) {
       results_.add(listed.id, *category, detection, size.width, size.height);
@@ -166,7 +166,7 @@ class SegmentRun {
     }
   }
 
-  void report(const ListedImage& listed, const cv::Mat& image, const std::vector<nn::Detection>& detections,
+  void report(const ListedImage& listed, const ByteImage& image, const std::vector<nn::Detection>& detections,
               double seconds) {
     SegmentedImage segmented{listed.path, image.size(), detections, seconds, std::nullopt};
     if (options_.pictures || !options_.whole_set()) {
@@ -175,7 +175,7 @@ class SegmentRun {
         nn::write_image(*segmented.picture,
                         draw_overlay(image, detections, loaded_.names, options_.show_above));
       } catch (const Error& error) {
-        spdlog::warn("left out: {}", error.what());
+        log_warning("left out: {}", error.what());
         segmented.picture.reset();
       }
     }

@@ -3,18 +3,18 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "nn/models/mask_rcnn.h"
 
 namespace penumbra::apps {
 
 struct SegmentedImage {
   std::filesystem::path path;
-  cv::Size size;
+  Size size;
   const std::vector<nn::Detection>& detections;
   double seconds = 0.0;                          // of the network alone
   std::optional<std::filesystem::path> picture;  // where one was drawn

@@ -1,13 +1,12 @@
 // penumbra ablate: what the semantics are worth, measured on synthetic drives.
 #include <fmt/core.h>
 #include <omp.h>
-#include <spdlog/spdlog.h>
 
 #include <memory>
-#include <opencv2/core.hpp>
 
 #include "apps/common/commands.h"
 #include "apps/common/image_size.h"
+#include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
 #include "apps/slam/ablation.h"
 #include "apps/slam/segmenter.h"
@@ -47,14 +46,14 @@ std::vector<NamedWeights> named_weights(const AblateOptions& options) {
   return weights;
 }
 
-cv::Size drive_size(const std::string& text) {
-  const std::optional<cv::Size> size = parse_image_size(text);
+Size drive_size(const std::string& text) {
+  const std::optional<Size> size = parse_image_size(text);
   if (size && size->width >= 64 && size->height >= 48) return *size;
   throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
 }
 
 std::vector<AblationCell> list_cells(const AblateOptions& options, const std::vector<NamedWeights>& weights) {
-  const cv::Size size = drive_size(options.size);
+  const Size size = drive_size(options.size);
   std::vector<AblationCell> cells;
   for (const std::string& preset : options.presets) {
     for (const int seed : options.seeds) {
@@ -117,12 +116,12 @@ void run_ablate(const AblateOptions& options) {
     if (error)
       throw Error(fmt::format("{}: cannot be made: {}", (options.out / folder).string(), error.message()));
   }
-  cv::setNumThreads(1);
+
   nlohmann::json results = nlohmann::json::array();
   ProgressBar progress("Ablation", static_cast<int>(cells.size()), "cells");
   for (const AblationCell& cell : cells) {
     results.push_back(result_of(cell, options, weights));
-    spdlog::info("{}: ATE {:.3f} m", cell.name(), results.back()["ate_m"].get<double>());
+    log_info("{}: ATE {:.3f} m", cell.name(), results.back()["ate_m"].get<double>());
     progress.update(static_cast<int>(results.size()));
   }
   const nlohmann::json rows = summarise_cells(results);

@@ -133,7 +133,7 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
                          {"keyframes", slam.map().keyframes().size()}};
   const auto& stages = slam.timer().stages();
   if (const auto frame = stages.find("frame"); frame != stages.end())
-    json["median_ms"] = slam::quantile_of(frame->second, 0.5);
+    json["median_ms"] = quantile_of(frame->second, 0.5);
   return json;
 }
 

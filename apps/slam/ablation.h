@@ -3,10 +3,10 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "slam/dynamics/instance.h"
 
 namespace penumbra::apps {
@@ -26,7 +26,7 @@ std::string name_of(MaskSource source);
 struct AblationCell {
   std::string preset;
   int seed = 1, frames = 0;
-  cv::Size size;  // of the images
+  Size size;  // of the images
   MaskSource masks = MaskSource::none;
   std::string weights;  // name of the network; empty where masks come from none
   std::string filter = "adaptive";

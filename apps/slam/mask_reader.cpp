@@ -3,11 +3,11 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/image/image_file.h"
 
 namespace penumbra::apps {
 
@@ -34,13 +34,13 @@ ClassNames read_class_names(const std::filesystem::path& folder) {
   return names;
 }
 
-std::vector<slam::Instance> instances_of(const cv::Mat1w& numbers, const ClassNames& names) {
-  std::map<int, cv::Rect> regions;
-  for (int y = 0; y < numbers.rows; ++y) {
-    for (int x = 0; x < numbers.cols; ++x) {
-      if (numbers(y, x) == 0) continue;
-      cv::Rect& region = regions[numbers(y, x)];
-      region = region.empty() ? cv::Rect(x, y, 1, 1) : region | cv::Rect(x, y, 1, 1);
+std::vector<slam::Instance> instances_of(const WordImage& numbers, const ClassNames& names) {
+  std::map<int, Rect> regions;
+  for (int y = 0; y < numbers.height(); ++y) {
+    for (int x = 0; x < numbers.width(); ++x) {
+      if (numbers.at(x, y) == 0) continue;
+      Rect& region = regions[numbers.at(x, y)];
+      region = bounding(region, {x, y, 1, 1});
     }
   }
   std::vector<slam::Instance> instances;
@@ -50,8 +50,16 @@ std::vector<slam::Instance> instances_of(const cv::Mat1w& numbers, const ClassNa
     instance.class_name = name == names.end() ? "unknown" : name->second;
     instance.score = 1.0F;
     instance.region = region;
-    instance.mask = numbers(region) == number;
-    if (cv::countNonZero(instance.mask) >= kFewestPixels) instances.push_back(std::move(instance));
+    instance.mask.create(region.width, region.height);
+    int pixels = 0;
+    for (int y = 0; y < region.height; ++y) {
+      for (int x = 0; x < region.width; ++x) {
+        const bool inside = numbers.at(region.x + x, region.y + y) == number;
+        instance.mask.at(x, y) = inside ? 255 : 0;
+        pixels += inside;
+      }
+    }
+    if (pixels >= kFewestPixels) instances.push_back(std::move(instance));
   }
   return instances;
 }
@@ -60,15 +68,13 @@ std::vector<slam::Instance> instances_of(const cv::Mat1w& numbers, const ClassNa
 
 slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
   const auto names = std::make_shared<const ClassNames>(read_class_names(folder));
-  return [folder, names](int frame, const cv::Mat& image) -> std::vector<slam::Instance> {
+  return [folder, names](int frame, const ByteImage& image) -> std::vector<slam::Instance> {
     const std::filesystem::path path = folder / fmt::format("{:06d}.png", frame);
     if (!std::filesystem::exists(path)) return {};
-    const cv::Mat numbers = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
-    if (numbers.type() != CV_16U || numbers.size() != image.size()) {
-      throw InputError(path.string(), fmt::format("a 16-bit grey image, {}x{}", image.cols, image.rows),
-                       numbers.empty() ? "no image"
-                                       : fmt::format("{}x{} with {} channels, depth code {}", numbers.cols,
-                                                     numbers.rows, numbers.channels(), numbers.depth()));
+    const WordImage numbers = nn::read_depth_image(path);  // 16-bit grey, as depth is
+    if (numbers.size() != image.size()) {
+      throw InputError(path.string(), fmt::format("{}x{} pixels", image.width(), image.height()),
+                       fmt::format("{}x{}", numbers.width(), numbers.height()));
     }
     return instances_of(numbers, *names);
   };

@@ -13,10 +13,10 @@ slam::Instance to_instance(const nn::Detection& detection, const std::vector<std
   instance.score = detection.score;
   const nn::Mask& mask = detection.mask;
   instance.region = {mask.x, mask.y, mask.width, mask.height};
-  instance.mask.create(mask.height, mask.width);
+  instance.mask.create(mask.width, mask.height);
   for (int y = 0; y < mask.height; ++y) {
     for (int x = 0; x < mask.width; ++x)
-      instance.mask(y, x) = mask.contains(mask.x + x, mask.y + y) ? 255 : 0;
+      instance.mask.at(x, y) = mask.contains(mask.x + x, mask.y + y) ? 255 : 0;
   }
   return instance;
 }
@@ -34,7 +34,7 @@ slam::Segmenter make_segmenter(const LoadedNetwork& loaded) {
     throw InputError(loaded.source, "weights of a network that finds masks",
                      loaded.network->name() + ", boxes only");
   }
-  return [loaded](int /*frame*/, const cv::Mat& image) {
+  return [loaded](int /*frame*/, const ByteImage& image) {
     std::vector<slam::Instance> instances;
     for (const nn::Detection& detection : (*loaded.network)(image)) {
       if (!detection.mask.bits.empty()) instances.push_back(to_instance(detection, loaded.names));

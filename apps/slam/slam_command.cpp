@@ -28,7 +28,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam kitti --sequence 00 --out out/00 --view       watch it: a page on http://127.0.0.1:8080/, for this machine alone
 
 Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
-trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.png (seen from above), run.json (settings, counts, times,
+trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.svg (seen from above), run.json (settings, counts, times,
 loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them; with
 --view the page is there while the run goes on.
 

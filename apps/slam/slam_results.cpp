@@ -1,7 +1,6 @@
 #include "apps/slam/slam_results.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <cmath>
 #include <exception>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/common/log.h"
 #include "apps/view/frames_report.h"
 #include "apps/view/keyframe_gallery.h"
 #include "nn/base/error.h"
@@ -78,7 +78,7 @@ class Writer {
     try {
       write();
     } catch (const std::exception& error) {
-      spdlog::warn("left out: {}", error.what());
+      log_warning("left out: {}", error.what());
     }
   }
   void throw_failures() const {
@@ -137,12 +137,12 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
   Writer writer;
   write_data(writer, places, slam, estimate, truth, run, places.save_map);
   if (estimate.empty()) {
-    writer.draw([&] { std::filesystem::remove(out / "trajectory.png"); });
+    writer.draw([&] { std::filesystem::remove(out / "trajectory.svg"); });
   } else {
     slam::TrajectoryPlotOptions plot;
     plot.title = dataset.name();
     writer.draw(
-        [&] { nn::write_image(out / "trajectory.png", slam::draw_trajectories(estimate, truth, plot)); });
+        [&] { slam::write_plot(out / "trajectory.svg", slam::draw_trajectories(estimate, truth, plot)); });
   }
   writer.draw([&] { write_keyframe_gallery(out / "gallery", dataset, slam); });
   writer.throw_failures();
@@ -155,7 +155,7 @@ void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const 
   write_data(writer, places, slam, located(slam), {}, run,
              places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
   // Pictures of an earlier run would not show what is written now.
-  writer.draw([&] { std::filesystem::remove(places.out / "trajectory.png"); });
+  writer.draw([&] { std::filesystem::remove(places.out / "trajectory.svg"); });
   writer.draw([&] { clear_keyframe_gallery(places.out / "gallery"); });
   writer.throw_failures();
 }
@@ -164,7 +164,7 @@ void warn_of_pieces(const slam::Slam& slam) {
   const std::vector<slam::SubmapSummary> submaps = slam.submaps();
   for (std::size_t i = 1; i < submaps.size(); ++i) {
     if (submaps[i].frames == 0) continue;  // of a map that was loaded
-    spdlog::warn(
+    log_warning(
         "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
         "frames are right relative to each other, where they are is a guess",
         submaps[i].first_frame, submaps[i].last_frame, submaps[i].frames);

@@ -1,16 +1,15 @@
 #include "apps/slam/slam_run.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <opencv2/core.hpp>
 
 #include "apps/common/interruption.h"
+#include "apps/common/log.h"
 #include "apps/common/process_usage.h"
 #include "apps/common/progress_bar.h"
 #include "apps/slam/segmenter.h"
@@ -111,7 +110,7 @@ class Checkpoints {
     try {
       write_checkpoint(places, slam, run);
     } catch (const Error& error) {
-      spdlog::warn("checkpoint: {}", error.what());
+      log_warning("checkpoint: {}", error.what());
     }
     const Seconds spent = Clock::now() - begin;
     next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
@@ -168,7 +167,7 @@ class FrameLoop {
       images = frames.next();
     } catch (const InputError& error) {
       if (options_.strict) throw;
-      spdlog::warn("{}; the frame is taken as lost", error.what());
+      log_warning("{}; the frame is taken as lost", error.what());
     }
     slam::FrameResult result;
     if (images) {
@@ -179,21 +178,21 @@ class FrameLoop {
       check_.add_unreadable(result.index);
       run_.unreadable_frames.push_back(result.index);
     }
-    if (view_ != nullptr) view_->add(result, images ? images->left : cv::Mat());
-    if (result.tracking.state == slam::TrackingState::lost) spdlog::warn("frame {}: lost", result.index);
-    if (result.tracking.recovered) spdlog::info("frame {}: found again", result.index);
+    if (view_ != nullptr) view_->add(result, images ? images->left : ByteImage());
+    if (result.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", result.index);
+    if (result.tracking.recovered) log_info("frame {}: found again", result.index);
   }
 
   void tell() {
     for (const std::string& warning : check_.take_warnings()) {
-      spdlog::warn("{}", warning);
+      log_warning("{}", warning);
       run_.warnings.push_back(warning);
     }
     const std::vector<slam::ClosedLoop> loops = slam_.loops();
     for (; reported_loops_ < loops.size(); ++reported_loops_) {
       const slam::ClosedLoop& loop = loops[reported_loops_];
-      spdlog::info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame, loop.earlier_frame,
-                   loop.inliers, loop.correction_metres);
+      log_info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame, loop.earlier_frame,
+               loop.inliers, loop.correction_metres);
     }
   }
 
@@ -222,7 +221,7 @@ void judge(const SlamOptions& options, const slam::Slam& slam, const SlamRun& ru
         fmt::format("{}. --require-tracked asks for {:g} %", run.why_lost, 100.0 * options.require_tracked));
   }
   if (slam.tracked() == 0) throw Error(run.why_lost);
-  if (!run.why_lost.empty()) spdlog::warn("{}", run.why_lost);
+  if (!run.why_lost.empty()) log_warning("{}", run.why_lost);
 }
 
 }  // namespace
@@ -238,7 +237,7 @@ void run_slam(const SlamOptions& options) {
   SlamRun run;
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
   run.dataset = dataset->name();
-  for (const std::string& note : dataset->notes()) spdlog::warn("{}: {}", options.dataset.folder, note);
+  for (const std::string& note : dataset->notes()) log_warning("{}: {}", options.dataset.folder, note);
   run.warnings = dataset->notes();
   const std::optional<LoadedNetwork> loaded = find_network(options);
   slam::Segmenter segmenter;
@@ -250,12 +249,11 @@ void run_slam(const SlamOptions& options) {
   prepare_places(places);
 
   omp_set_num_threads(settings.threads);
-  cv::setNumThreads(1);  // the frames' two images are the parallel work
   slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter, std::move(map));
   std::optional<LiveView> view;
   if (!options.view.empty()) {
     view.emplace(port, run, dataset->size(), slam);
-    spdlog::info("watch it on {}", view->address());
+    log_info("watch it on {}", view->address());
   }
   const Interruption interruption;  // until the results are written
   const double cpu_before = process_usage().cpu_seconds;

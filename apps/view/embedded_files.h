@@ -12,5 +12,7 @@ std::string_view live_html();       // apps/view/report/live.html
 std::string_view live_js();         // apps/view/report/live.js
 std::string_view three_js();        // three.js, from Debian's libjs-three (MIT licence)
 std::string_view orbit_controls();  // its OrbitControls.js
+std::string_view three_js_licence();
+std::string_view licences();  // of all libraries in the program and the page, see licences.cmake
 
 }  // namespace penumbra::apps::embedded

@@ -4,12 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <thread>
 
 #include "apps/view/frame_picture.h"
 #include "apps/view/frames_report.h"
 #include "apps/view/report_page.h"
+#include "nn/image/jpeg_codec.h"
 
 namespace penumbra::apps {
 
@@ -59,7 +59,7 @@ bool LiveView::is_watched() const {
   return Clock::now() - Clock::time_point(Clock::duration(asked_)) < kLookingOn;
 }
 
-void LiveView::add(const slam::FrameResult& result, const cv::Mat& left) {
+void LiveView::add(const slam::FrameResult& result, const ByteImage& left) {
   slam::Trajectory trajectory;
   Picture picture;
   if (Clock::now() - given_ >= kBetweenPictures && wanted_.exchange(false)) {
@@ -150,9 +150,7 @@ Answer LiveView::image() {
     picture = picture_;
   }
   if (picture.left.empty()) return {};
-  std::vector<unsigned char> jpeg;
-  cv::imencode(".jpg", draw_frame(picture.left, picture.view), jpeg);
-  return {"image/jpeg", {jpeg.begin(), jpeg.end()}};
+  return {"image/jpeg", nn::encode_jpeg(draw_frame(picture.left, picture.view))};
 }
 
 Answer LiveView::report() {

@@ -18,13 +18,13 @@
 #include <chrono>
 #include <filesystem>
 #include <mutex>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/view/local_server.h"
 #include "apps/view/slam_report.h"
+#include "nn/image/image.h"
 #include "slam/pipeline/slam.h"
 
 namespace penumbra::apps {
@@ -41,7 +41,7 @@ class LiveView {
   bool is_watched() const;  // somebody has asked during the last three seconds
 
   // The newest frame; from the thread that calls Slam::process().
-  void add(const slam::FrameResult& result, const cv::Mat& left);
+  void add(const slam::FrameResult& result, const ByteImage& left);
   // The run is over and its results are in `run_folder`. Where somebody looks it gives them two seconds to
   // fetch the report, otherwise it returns at once. Throws as report_data does.
   void finish(const std::filesystem::path& run_folder);
@@ -56,7 +56,7 @@ class LiveView {
     long version = 0;                                    // when it last changed
   };
   struct Picture {
-    cv::Mat left;
+    ByteImage left;
     slam::FrameView view;
   };
 

@@ -1,16 +1,22 @@
 #include "apps/view/local_server.h"
 
-#include <fmt/core.h>
-#include <httplib.h>
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
-#include <semaphore>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "apps/view/http_request.h"
 #include "nn/base/error.h"
 
 namespace penumbra::apps {
@@ -20,66 +26,139 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kHost = "127.0.0.1";
-constexpr int kFirstPort = 8080, kLastPort = 8099;
-constexpr std::size_t kMostRequestBytes = 16384, kThreads = 4;
-constexpr int kMostConnections = 8;
+constexpr int kFirstPort = 8080, kLastPort = 8099, kWaitingConnections = 8;
+constexpr std::size_t kMostRequestBytes = 16384;
+constexpr int kThreads = 4;
 constexpr std::chrono::milliseconds kReadTime(2000), kWriteTime(10000), kDrainTime(200), kLook(50);
 
-// A connection that reads and writes no more, and for no longer, than a request of ours may take.
-class BoundedStream : public httplib::Stream {
+constexpr std::string_view kHeaders =
+    "Connection: close\r\n"
+    "Cache-Control: no-store\r\n"
+    "X-Content-Type-Options: nosniff\r\n"
+    "Cross-Origin-Resource-Policy: same-origin\r\n"
+    "Content-Security-Policy: default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src 'self' data:; connect-src 'self'; frame-ancestors 'none'\r\n";
+
+std::string response(std::string_view status, std::string_view type, std::string_view body) {
+  return fmt::format("HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n{}\r\n{}", status, type,
+                     body.size(), kHeaders, body);
+}
+
+// A socket that is closed at its end.
+class Socket {
  public:
-  BoundedStream(socket_t socket, const std::atomic<bool>& stopping)
-      : socket_(socket), stopping_(stopping), read_until_(Clock::now() + kReadTime) {}
+  explicit Socket(int descriptor) : descriptor_(descriptor) {}
+  Socket(Socket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  Socket& operator=(Socket&&) = delete;
+  ~Socket() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  int get() const { return descriptor_; }
 
-  bool is_readable() const override { return wait(POLLIN, read_until_); }
-  bool is_writable() const override { return wait(POLLOUT, write_until()); }
-  socket_t socket() const override { return socket_; }
-  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = kHost, port = 0; }
-  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = kHost, port = 0; }
+ private:
+  int descriptor_;
+};
 
-  ssize_t read(char* bytes, std::size_t size) override {
-    if (at_ == filled_) {
-      if (bytes_left_ == 0 || !wait(POLLIN, read_until_)) return -1;
-      const ssize_t found = recv(socket_, buffer_.data(), std::min(buffer_.size(), bytes_left_), 0);
-      if (found <= 0) return found;
-      at_ = 0;
-      filled_ = static_cast<std::size_t>(found);
-      bytes_left_ -= filled_;
-    }
-    const std::size_t taken = std::min(size, filled_ - at_);
-    std::copy_n(buffer_.data() + at_, taken, bytes);
-    at_ += taken;
-    return static_cast<ssize_t>(taken);
+// A listening socket of this machine alone; none where the port is taken.
+std::optional<Socket> listen_at(int port) {
+  Socket socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (socket.get() < 0) return std::nullopt;
+  const int yes = 1;  // a port whose connections have just ended is free
+  setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const auto* generic = reinterpret_cast<const sockaddr*>(&address);
+  if (bind(socket.get(), generic, sizeof address) != 0 || listen(socket.get(), kWaitingConnections) != 0) {
+    return std::nullopt;
+  }
+  return socket;
+}
+
+int port_of(const Socket& socket) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &size);
+  return ntohs(address.sin_port);
+}
+
+// One request and its answer. Reads and writes no more, and for no longer, than a request of ours may take.
+class Connection {
+ public:
+  Connection(Socket socket, const std::atomic<bool>& stopping)
+      : socket_(std::move(socket)), stopping_(stopping), read_until_(Clock::now() + kReadTime) {}
+
+  void serve(const Routes& routes) {
+    const std::optional<std::string> head = read_head();
+    if (!head) return;
+    write(answer(*head, routes));
+    drain();
   }
 
-  ssize_t write(const char* bytes, std::size_t size) override {
-    for (std::size_t done = 0; done < size;) {
-      if (!wait(POLLOUT, write_until())) return -1;
-      const ssize_t sent = send(socket_, bytes + done, size - done, MSG_NOSIGNAL | MSG_DONTWAIT);
-      if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
-      if (sent <= 0) return -1;
-      done += static_cast<std::size_t>(sent);
+ private:
+  static std::string answer(const std::string& head, const Routes& routes) {
+    const std::optional<HttpRequest> request = parse_request(head);
+    if (!request) return response("400 Bad Request", "text/plain", "");
+    if (!is_local_host(request->host)) {
+      return response("403 Forbidden", "text/plain", "This address is for browsers on the same machine.\n");
     }
-    return static_cast<ssize_t>(size);
+    const auto route = routes.find(request->path);
+    if (request->method != "GET" || route == routes.end()) return response("404 Not Found", "text/plain", "");
+    try {
+      const Answer found = route->second(request->query);
+      if (found.type.empty()) return response("404 Not Found", "text/plain", found.body);
+      return response("200 OK", found.type, found.body);
+    } catch (const std::exception&) {
+      return response("500 Internal Server Error", "text/plain", "");
+    }
+  }
+
+  // Up to the empty line; none where it does not come in time or is too long.
+  std::optional<std::string> read_head() {
+    std::string head;
+    std::array<char, 4096> piece;
+    while (bytes_left_ > 0 && wait(POLLIN, read_until_)) {
+      const ssize_t found = receive(piece);
+      if (found <= 0) return std::nullopt;
+      head.append(piece.data(), static_cast<std::size_t>(found));
+      if (const std::size_t end = head.find("\r\n\r\n"); end != std::string::npos) {
+        head.resize(end + 2);
+        return head;
+      }
+    }
+    return std::nullopt;
+  }
+
+  void write(std::string_view bytes) {
+    const auto until = Clock::now() + kWriteTime;
+    while (!bytes.empty() && wait(POLLOUT, until)) {
+      const ssize_t sent = send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+      if (sent <= 0) return;
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    }
   }
 
   // Takes what the client still sends: where bytes were left unread, the answer would be lost with them.
   void drain() {
-    ::shutdown(socket_, SHUT_WR);
+    ::shutdown(socket_.get(), SHUT_WR);
     const auto until = std::min(read_until_, Clock::now() + kDrainTime);
+    std::array<char, 4096> piece;
     while (bytes_left_ > 0 && wait(POLLIN, until)) {
-      const ssize_t found = recv(socket_, buffer_.data(), std::min(buffer_.size(), bytes_left_), 0);
-      if (found <= 0) return;
-      bytes_left_ -= static_cast<std::size_t>(found);
+      if (receive(piece) <= 0) return;
     }
   }
 
- private:
-  Clock::time_point write_until() const { return read_until_ + kWriteTime; }
+  ssize_t receive(std::array<char, 4096>& piece) {
+    const ssize_t found = recv(socket_.get(), piece.data(), std::min(piece.size(), bytes_left_), 0);
+    if (found > 0) bytes_left_ -= static_cast<std::size_t>(found);
+    return found;
+  }
 
   bool wait(short events, Clock::time_point until) const {
     while (!stopping_ && Clock::now() < until) {
-      pollfd descriptor{socket_, events, 0};
+      pollfd descriptor{socket_.get(), events, 0};
       const int ready = poll(&descriptor, 1, static_cast<int>(kLook.count()));
       if (ready > 0) return true;
       if (ready < 0 && errno != EINTR) return false;
@@ -87,125 +166,49 @@ class BoundedStream : public httplib::Stream {
     return false;
   }
 
-  const socket_t socket_;
+  const Socket socket_;
   const std::atomic<bool>& stopping_;
   const Clock::time_point read_until_;
-  std::array<char, 4096> buffer_{};
-  std::size_t at_ = 0, filled_ = 0, bytes_left_ = kMostRequestBytes;
-};
-
-// Connections beyond the first few are not accepted before others are done: no client can use up the files
-// that the program may have open.
-class FewConnections : public httplib::TaskQueue {
- public:
-  void enqueue(std::function<void()> job) override {
-    places_.acquire();
-    pool_.enqueue([this, job = std::move(job)] {
-      job();
-      places_.release();
-    });
-  }
-  void shutdown() override { pool_.shutdown(); }
-
- private:
-  std::counting_semaphore<kMostConnections> places_{kMostConnections};
-  httplib::ThreadPool pool_{kThreads};
-};
-
-bool is_local(const httplib::Request& request) {
-  if (request.get_header_value_count("Host") != 1) return false;
-  const std::string host = request.get_header_value("Host");
-  const std::string name = host.substr(0, host.find(':'));
-  return name == kHost || name == "localhost";
-}
-
-class Server : public httplib::Server {
- public:
-  explicit Server(Routes routes) : routes_(std::move(routes)) {
-    new_task_queue = [] { return new FewConnections; };
-    // httplib's default, SO_REUSEPORT, would let a second program share the port.
-    set_socket_options([](socket_t socket) {
-      const int yes = 1;
-      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    });
-    set_default_headers({{"Cache-Control", "no-store"},
-                         {"X-Content-Type-Options", "nosniff"},
-                         {"Cross-Origin-Resource-Policy", "same-origin"},
-                         {"Content-Security-Policy",
-                          "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-                          "img-src 'self' data:; connect-src 'self'; frame-ancestors 'none'"}});
-    set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      answer(request, response);
-      return HandlerResponse::Handled;  // nothing of httplib's own routing
-    });
-    set_exception_handler([](const httplib::Request&, httplib::Response& response,
-                             const std::exception_ptr&) { response.status = 500; });
-  }
-  void cut() { stopping_ = true; }
-
- private:
-  void answer(const httplib::Request& request, httplib::Response& response) const {
-    if (!is_local(request)) {
-      response.status = 403;
-      response.set_content("This address is for browsers on the same machine.\n", "text/plain");
-      return;
-    }
-    const auto route = routes_.find(request.path);
-    Answer answer;
-    if (request.method == "GET" && route != routes_.end()) answer = route->second(request.params);
-    response.status = answer.type.empty() ? 404 : 200;
-    response.set_content(answer.body, answer.type.empty() ? "text/plain" : answer.type);
-  }
-
-  bool process_and_close_socket(socket_t socket) override {
-    BoundedStream stream(socket, stopping_);
-    bool closed = false;
-    // Compressing would take the processor from the tracker, and there is no use for parts of an answer.
-    const bool done = process_request(stream, /*close_connection=*/true, closed, [](httplib::Request& r) {
-      r.headers.erase("Accept-Encoding");
-      r.ranges.clear();
-    });
-    stream.drain();
-    ::shutdown(socket, SHUT_RDWR);
-    ::close(socket);
-    return done;
-  }
-
-  const Routes routes_;
-  std::atomic<bool> stopping_{false};
+  std::size_t bytes_left_ = kMostRequestBytes;
 };
 
 }  // namespace
 
 class LocalServer::Implementation {
  public:
-  Implementation(std::optional<int> port, Routes routes) : server_(std::move(routes)), port_(bind(port)) {
-    if (port_ <= 0) {
-      throw Error(port ? fmt::format("port {} of {} cannot be had: another program may have it", *port, kHost)
-                       : fmt::format("no port from {} to {} is free", kFirstPort, kLastPort));
-    }
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    while (!server_.is_running()) std::this_thread::yield();  // stop() does nothing before
+  Implementation(std::optional<int> port, Routes routes) : routes_(std::move(routes)), socket_(bind(port)) {
+    for (int i = 0; i < kThreads; ++i) threads_.emplace_back([this] { work(); });
   }
   ~Implementation() {
-    server_.cut();
-    server_.stop();
-    thread_.join();
+    stopping_ = true;
+    for (std::thread& thread : threads_) thread.join();
   }
-  int port() const { return port_; }
+  int port() const { return port_of(socket_); }
 
  private:
-  int bind(std::optional<int> port) {
-    if (port && *port == 0) return server_.bind_to_any_port(kHost);
+  static Socket bind(std::optional<int> port) {
     for (int p = port.value_or(kFirstPort); p <= port.value_or(kLastPort); ++p) {
-      if (server_.bind_to_port(kHost, p)) return p;
+      if (std::optional<Socket> socket = listen_at(p)) return std::move(*socket);
     }
-    return 0;
+    throw Error(port ? fmt::format("port {} of {} cannot be had: another program may have it", *port, kHost)
+                     : fmt::format("no port from {} to {} is free", kFirstPort, kLastPort));
   }
 
-  Server server_;
-  const int port_;
-  std::thread thread_;
+  // Each thread takes one connection after the other.
+  void work() {
+    while (!stopping_) {
+      pollfd descriptor{socket_.get(), POLLIN, 0};
+      if (poll(&descriptor, 1, static_cast<int>(kLook.count())) <= 0) continue;
+      const int accepted = accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC);
+      if (accepted < 0) continue;  // another thread was faster
+      Connection(Socket(accepted), stopping_).serve(routes_);
+    }
+  }
+
+  const Routes routes_;
+  const Socket socket_;
+  std::atomic<bool> stopping_{false};
+  std::vector<std::thread> threads_;
 };
 
 LocalServer::LocalServer(std::optional<int> port, Routes routes)

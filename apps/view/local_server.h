@@ -5,8 +5,9 @@
 // name was made to lead here (DNS rebinding) has its own name in it. A request may have 16 KiB and 2 seconds,
 // an answer 10 seconds to be taken; one request a connection.
 //
-// Threads: one accepts and four answer, so the routes must be safe to be called from several threads. Who
-// connects beyond eight at a time waits in the kernel's queue. Idle it costs nothing but memory.
+// Threads: four, each of which takes one connection after the other, so the routes must be safe to be called
+// from several threads. Who connects beyond that waits in the kernel's queue. Idle it costs a look each 50
+// ms.
 #pragma once
 
 #include <functional>
@@ -15,13 +16,14 @@
 #include <optional>
 #include <string>
 
+#include "apps/view/http_request.h"
+
 namespace penumbra::apps {
 
 struct Answer {
   std::string type;  // such as "text/html"; empty: there is nothing there (404)
   std::string body;
 };
-using Query = std::multimap<std::string, std::string>;  // what follows the `?`
 using Routes = std::map<std::string, std::function<Answer(const Query&)>>;
 
 class LocalServer {

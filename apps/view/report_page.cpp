@@ -45,6 +45,7 @@ std::string fill_page(std::map<std::string_view, std::string> parts) {
   parts["@STYLE@"] = embedded::page_css();
   parts["@THREE@"] = embedded::three_js();
   parts["@CONTROLS@"] = embedded::orbit_controls();
+  parts["@LICENCE@"] = escaped(embedded::three_js_licence());
   parts["@SCRIPT@"] = embedded::page_js();
   parts.insert({{"@NOW@", ""}, {"@LIVE@", ""}});
   // One pass over the template: what is put in is not searched again.

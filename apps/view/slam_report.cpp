@@ -218,10 +218,10 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["cpu_ms_per_frame"] = rounded(1000.0 * run.cpu_seconds / frames);
   json["peak_rss_mb"] = rounded(run.peak_rss_mb);
   for (const auto& [stage, times] : slam.timer().stages()) {
-    const double median = rounded(slam::quantile_of(times, 0.5));
+    const double median = rounded(quantile_of(times, 0.5));
     if (stage == "frame") {
       json["median_ms"] = median;
-      json["p95_ms"] = rounded(slam::quantile_of(times, 0.95));
+      json["p95_ms"] = rounded(quantile_of(times, 0.95));
     } else {
       json["stages"][stage] = median;
     }

@@ -1,6 +1,7 @@
 #include "nn/image/bmp.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +10,8 @@
 namespace penumbra::nn {
 
 namespace {
+
+using Colour = std::array<std::uint8_t, 3>;  // blue, green, red
 
 constexpr std::size_t kFileHeader = 14, kInfoHeader = 40;
 constexpr std::uint32_t kUncompressed = 0, kBitFields = 3;
@@ -22,20 +25,20 @@ std::uint32_t little_endian(std::string_view bytes, std::size_t offset, int size
 }
 
 // The colours of a table, repeated to `count`; entries beyond the file's table are black.
-std::vector<cv::Vec3b> read_colours(std::string_view bytes, std::size_t begin, std::size_t stored,
-                                    std::size_t count) {
-  std::vector<cv::Vec3b> colours(count, cv::Vec3b(0, 0, 0));
+std::vector<Colour> read_colours(std::string_view bytes, std::size_t begin, std::size_t stored,
+                                 std::size_t count) {
+  std::vector<Colour> colours(count, Colour{});
   for (std::size_t i = 0; i < std::min(stored, count); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      colours[i][c] = static_cast<std::uint8_t>(bytes[begin + 4 * i + static_cast<std::size_t>(c)]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      colours[i][c] = static_cast<std::uint8_t>(bytes[begin + 4 * i + c]);
     }
   }
   return colours;
 }
 
-bool is_grey(const std::vector<cv::Vec3b>& colours) {
+bool is_grey(const std::vector<Colour>& colours) {
   return std::all_of(colours.begin(), colours.end(),
-                     [](const cv::Vec3b& bgr) { return bgr[0] == bgr[1] && bgr[1] == bgr[2]; });
+                     [](const Colour& bgr) { return bgr[0] == bgr[1] && bgr[1] == bgr[2]; });
 }
 
 }  // namespace
@@ -79,7 +82,7 @@ StoredImage read_bmp(std::string_view bytes, std::string_view place) {
   const std::uint64_t size = stride * static_cast<std::uint64_t>(image.info.height);
   if (rows_begin > bytes.size() || bytes.size() - rows_begin < size) throw torn();
 
-  std::vector<cv::Vec3b> colours;
+  std::vector<Colour> colours;
   if (has_table) {
     const std::size_t count = std::size_t{1} << bits, named = little_endian(bytes, 46, 4);
     const std::size_t begin = kFileHeader + header, stored = named == 0 ? count : std::min(named, count);
@@ -87,27 +90,23 @@ StoredImage read_bmp(std::string_view bytes, std::string_view place) {
     colours = read_colours(bytes, begin, stored, count);
   }
   const bool grey = has_table && is_grey(colours);
-  image.pixels.create(image.info.height, image.info.width, grey ? CV_8UC1 : CV_8UC3);
+  image.bytes.create(image.info.width, image.info.height, grey ? 1 : 3);
   for (int y = 0; y < image.info.height; ++y) {
     const int stored_row = height < 0 ? y : image.info.height - 1 - y;
     const std::string_view row = bytes.substr(rows_begin + stride * static_cast<std::uint64_t>(stored_row));
     for (std::size_t x = 0; x < static_cast<std::size_t>(image.info.width); ++x) {
-      cv::Vec3b bgr;
+      Colour bgr{};
       if (has_table) {
         const std::size_t bit = x * bits;
         const unsigned shift =
             8 - bits - static_cast<unsigned>(bit % 8);  // the leftmost pixel is the high one
         bgr = colours[static_cast<std::uint8_t>(row[bit / 8]) >> shift & ((1U << bits) - 1)];
       } else {
-        for (int c = 0; c < 3; ++c) {
-          bgr[c] = static_cast<std::uint8_t>(row[x * bits / 8 + static_cast<std::size_t>(c)]);
+        for (std::size_t c = 0; c < 3; ++c) {
+          bgr[c] = static_cast<std::uint8_t>(row[x * bits / 8 + c]);
         }
       }
-      if (grey) {
-        image.pixels.ptr<std::uint8_t>(y)[x] = bgr[0];
-      } else {
-        image.pixels.ptr<cv::Vec3b>(y)[x] = bgr;
-      }
+      std::copy_n(bgr.begin(), image.bytes.channels(), &image.bytes.at(static_cast<int>(x), y));
     }
   }
   return image;

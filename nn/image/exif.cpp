@@ -53,33 +53,24 @@ int exif_orientation(std::string_view exif) {
   return kUpright;
 }
 
-cv::Mat turn_upright(const cv::Mat& image, int orientation) {
+ByteImage turn_upright(const ByteImage& image, int orientation) {
+  if (orientation == kUpright) return image;
   // From 5 on rows and columns change places; what is then left to do is a flip.
-  constexpr int kAboutRows = 0, kAboutColumns = 1, kAboutBoth = -1;  // cv::flip's codes
-  cv::Mat turned;
-  if (orientation >= 5) {
-    cv::transpose(image, turned);
-  } else {
-    turned = image;
+  const bool transposed = orientation >= 5;
+  const bool about_columns = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
+  const bool about_rows = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
+  const int width = transposed ? image.height() : image.width();
+  const int height = transposed ? image.width() : image.height();
+  ByteImage turned(width, height, image.channels());
+  for (int y = 0; y < height; ++y) {
+    const int v = about_rows ? height - 1 - y : y;
+    for (int x = 0; x < width; ++x) {
+      const int u = about_columns ? width - 1 - x : x;
+      const std::uint8_t* pixel = transposed ? &image.at(v, u) : &image.at(u, v);
+      for (int c = 0; c < image.channels(); ++c) turned.at(x, y, c) = pixel[c];
+    }
   }
-  const auto flipped = [&](int code) {
-    cv::Mat result;
-    cv::flip(turned, result, code);
-    return result;
-  };
-  switch (orientation) {
-    case 2:
-    case 6:
-      return flipped(kAboutColumns);
-    case 3:
-    case 7:
-      return flipped(kAboutBoth);
-    case 4:
-    case 8:
-      return flipped(kAboutRows);
-    default:
-      return turned;
-  }
+  return turned;
 }
 
 }  // namespace penumbra::nn

@@ -10,8 +10,9 @@
 // Source: CIPA DC-008 (Exif 2.32), sections 4.5 and 4.6.4 A; TIFF 6.0, section 2.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <string_view>
+
+#include "nn/image/image.h"
 
 namespace penumbra::nn {
 
@@ -21,7 +22,7 @@ inline constexpr int kUpright = 1;
 // "Exif\0\0"). kUpright where they name none, or are damaged: pictures are read without them.
 int exif_orientation(std::string_view exif);
 
-// The picture as it is to be seen; itself for kUpright. Any element type.
-cv::Mat turn_upright(const cv::Mat& image, int orientation);
+// The picture as it is to be seen; itself for kUpright.
+ByteImage turn_upright(const ByteImage& image, int orientation);
 
 }  // namespace penumbra::nn

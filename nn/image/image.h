@@ -41,6 +41,14 @@ inline Rect intersection(const Rect& a, const Rect& b) {
   return both.empty() ? Rect{} : both;
 }
 
+// The smallest that holds both; an empty one does not count.
+inline Rect bounding(const Rect& a, const Rect& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  const int x = std::min(a.x, b.x), y = std::min(a.y, b.y);
+  return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y};
+}
+
 // `T` is const where the pixels are only read.
 template <class T>
 struct ImageView {

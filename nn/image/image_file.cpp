@@ -1,45 +1,27 @@
 #include "nn/image/image_file.h"
 
-#include <cmath>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <optional>
+#include <algorithm>
+#include <cctype>
 #include <string>
-#include <vector>
 
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/bmp.h"
+#include "nn/image/colour.h"
 #include "nn/image/exif.h"
 #include "nn/image/foreign_image.h"
 #include "nn/image/image_container.h"
+#include "nn/image/jpeg_codec.h"
 #include "nn/image/netpbm.h"
 
 namespace penumbra::nn {
 
 namespace {
 
-// Our exceptions say what is wrong; OpenCV would print its own opinion beside them.
-void silence_opencv() {
-  static const bool done = [] {
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    return true;
-  }();
-  static_cast<void>(done);
-}
-
 std::string read_image_bytes(const std::filesystem::path& path, std::string_view expected) {
   std::string bytes = read_file(path, expected);
   if (bytes.empty()) throw InputError(path.string(), expected, "an empty file");
   return bytes;
-}
-
-// What a PNG or JPEG says about itself, none for other files.
-std::optional<ImageInfo> check_container(std::string& bytes, const std::string& place) {
-  if (looks_like_png(bytes)) return check_png(bytes, place);
-  if (looks_like_jpeg(bytes)) return check_jpeg(bytes, place);
-  return std::nullopt;
 }
 
 // An image of the formats whose rows are read here.
@@ -51,91 +33,122 @@ StoredImage read_plain_rows(const std::string& bytes, const std::filesystem::pat
   throw InputError(place, expected, describe_foreign_image(bytes, path));
 }
 
-cv::Mat convert_colour(const cv::Mat& image, ImageColour colour) {
-  const int channels = colour == ImageColour::grey ? 1 : 3;
-  if (image.channels() == channels) return image;
-  cv::Mat converted;
-  cv::cvtColor(image, converted, channels == 1 ? cv::COLOR_BGR2GRAY : cv::COLOR_GRAY2BGR);
-  return converted;
+// The upper 8 of the significant bits, which lie low; rounded down, as libpng does.
+ByteImage upper_bits(const WordImage& words, int significant_bits) {
+  ByteImage bytes(words.width(), words.height(), words.channels());
+  const int shift = std::max(0, significant_bits - 8);
+  std::transform(words.data(), words.data() + words.elements(), bytes.data(), [shift](std::uint16_t value) {
+    return static_cast<std::uint8_t>(std::min(value >> shift, 255));
+  });
+  return bytes;
 }
 
-// All bits of the file's channels, or 8.
-enum class BitDepth { stored, eight };
-
-StoredImage decode_image(const std::filesystem::path& path, std::optional<ImageColour> colour, BitDepth depth,
+StoredImage decode_image(const std::filesystem::path& path, ImageColour colour, bool eight_bits,
                          std::string_view expected) {
-  silence_opencv();
   const std::string place = path.string();
   std::string bytes = read_image_bytes(path, expected);
-  const std::optional<ImageInfo> info = check_container(bytes, place);
-  if (!info) {
-    StoredImage image = read_plain_rows(bytes, path, expected);
-    if (depth == BitDepth::eight && image.pixels.depth() == CV_16U) {
-      // The significant bits lie low; what they scale to is rounded down, as libpng does.
-      const double scale = std::ldexp(1.0, 8 - image.info.significant_bits);
-      image.pixels.convertTo(image.pixels, CV_8U, scale, scale < 1.0 ? 0.5 * scale - 0.5 : 0.0);
+  if (looks_like_png(bytes)) {
+    const ImageInfo info = check_png(bytes, place);
+    return decode_png(bytes, info, colour, eight_bits, place);
+  }
+  StoredImage image;
+  if (looks_like_jpeg(bytes)) {
+    image.info = check_jpeg(bytes, place);
+    image.bytes = decode_jpeg(bytes, colour == ImageColour::grey, place);
+    if (image.size() != Size{image.info.width, image.info.height}) {
+      throw InputError(place,
+                       fmt::format("{} x {} pixels, as the header says", image.info.width, image.info.height),
+                       fmt::format("{} x {}", image.size().width, image.size().height));
     }
-    if (colour) image.pixels = convert_colour(image.pixels, *colour);
     return image;
   }
-
-  int flags = cv::IMREAD_UNCHANGED;
-  if (colour) {
-    flags = (*colour == ImageColour::grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) |
-            cv::IMREAD_IGNORE_ORIENTATION | (depth == BitDepth::stored ? cv::IMREAD_ANYDEPTH : 0);
+  image = read_plain_rows(bytes, path, expected);
+  if (eight_bits && image.is_wide()) {
+    image.bytes = upper_bits(image.words, image.info.significant_bits);
+    image.words = {};
   }
-  StoredImage image{{}, *info};
-  std::string reason = "a file that the decoder refuses";
-  try {
-    image.pixels = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), flags);
-  } catch (const cv::Exception& error) {
-    reason += ": " + error.err;
-  }
-  if (image.pixels.cols != info->width || image.pixels.rows != info->height) {
-    throw InputError(place, expected, reason);
+  if (colour != ImageColour::stored) {
+    const int channels = colour == ImageColour::grey ? 1 : 3;
+    if (image.is_wide()) {
+      image.words = with_channels(image.words, channels);
+    } else {
+      image.bytes = with_channels(image.bytes, channels);
+    }
   }
   return image;
+}
+
+std::string ending_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+// PGM or PPM, whose colours are red, green, blue.
+std::string encode_netpbm(const ByteView& image) {
+  std::string bytes =
+      fmt::format("{}\n{} {}\n255\n", image.channels == 1 ? "P5" : "P6", image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = image.channels - 1; c >= 0; --c) bytes += static_cast<char>(image.at(x, y, c));
+    }
+  }
+  return bytes;
 }
 
 }  // namespace
 
-cv::Mat read_image(const std::filesystem::path& path, ImageColour colour, ImageOrientation orientation) {
-  const StoredImage image = decode_image(path, colour, BitDepth::eight, kReadImages);
-  return orientation == ImageOrientation::upright ? turn_upright(image.pixels, image.info.orientation)
-                                                  : image.pixels;
+ByteImage read_image(const std::filesystem::path& path, ImageColour colour, ImageOrientation orientation) {
+  const StoredImage image = decode_image(path, colour, /*eight_bits=*/true, kReadImages);
+  return orientation == ImageOrientation::upright ? turn_upright(image.bytes, image.info.orientation)
+                                                  : image.bytes;
 }
 
-cv::Mat read_stored_image(const std::filesystem::path& path, ImageColour colour) {
-  return decode_image(path, colour, BitDepth::stored, kReadImages).pixels;
+StoredImage read_stored_image(const std::filesystem::path& path, ImageColour colour) {
+  return decode_image(path, colour, /*eight_bits=*/false, kReadImages);
 }
 
 ImageInfo read_image_info(const std::filesystem::path& path) {
   std::string bytes = read_image_bytes(path, kReadImages);
-  const std::optional<ImageInfo> info = check_container(bytes, path.string());
-  return info ? *info : read_plain_rows(bytes, path, kReadImages).info;
+  const std::string place = path.string();
+  if (looks_like_png(bytes)) return check_png(bytes, place);
+  if (looks_like_jpeg(bytes)) return check_jpeg(bytes, place);
+  return read_plain_rows(bytes, path, kReadImages).info;
 }
 
-cv::Mat1w read_depth_image(const std::filesystem::path& path) {
+WordImage read_depth_image(const std::filesystem::path& path) {
   constexpr std::string_view kExpected = "a 16-bit grey PNG (or PGM) with depth";
-  const cv::Mat image = decode_image(path, std::nullopt, BitDepth::stored, kExpected).pixels;
-  if (image.type() != CV_16UC1) {
+  const StoredImage image = decode_image(path, ImageColour::stored, /*eight_bits=*/false, kExpected);
+  if (!image.is_wide() || image.channels() != 1) {
     throw InputError(path.string(), kExpected,
-                     fmt::format("{} channels of {} bits", image.channels(), 8 * image.elemSize1()));
+                     fmt::format("{} channels of {} bits", image.channels(), image.is_wide() ? 16 : 8));
   }
-  return image;
+  return image.words;
 }
 
-void write_image(const std::filesystem::path& path, const cv::Mat& image) {
-  silence_opencv();
-  std::vector<unsigned char> bytes;
-  std::string reason;
-  try {
-    if (!cv::imencode(path.extension().string(), image, bytes)) reason = "the encoder failed";
-  } catch (const cv::Exception& error) {
-    reason = error.err;
+void write_image(const std::filesystem::path& path, const ByteView& image) {
+  if (image.empty()) throw Error(fmt::format("{}: cannot encode the image: it is empty", path.string()));
+  const std::string ending = ending_of(path);
+  std::string bytes;
+  if (ending == ".png") {
+    bytes = encode_png(image);
+  } else if (ending == ".jpg" || ending == ".jpeg") {
+    bytes = encode_jpeg(image);
+  } else if ((ending == ".pgm" && image.channels == 1) || (ending == ".ppm" && image.channels == 3)) {
+    bytes = encode_netpbm(image);
+  } else {
+    throw Error(fmt::format(
+        "{}: cannot encode the image: expected a name that ends with .png, .jpg or {}, found '{}'",
+        path.string(), image.channels == 1 ? ".pgm" : ".ppm", ending));
   }
-  if (!reason.empty()) throw Error(fmt::format("{}: cannot encode the image: {}", path.string(), reason));
-  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, /*durable=*/false);
+  write_file(path, bytes, /*durable=*/false);
+}
+
+void write_image(const std::filesystem::path& path, const ImageView<const std::uint16_t>& image) {
+  if (ending_of(path) != ".png")
+    throw Error(fmt::format("{}: cannot encode 16-bit pixels but in a .png", path.string()));
+  write_file(path, encode_png(image), /*durable=*/false);
 }
 
 }  // namespace penumbra::nn

@@ -2,14 +2,15 @@
 #pragma once
 
 #include <filesystem>
-#include <opencv2/core.hpp>
 #include <string_view>
 
+#include "nn/image/image.h"
 #include "nn/image/image_container.h"
+#include "nn/image/png_codec.h"
+#include "nn/image/stored_image.h"
 
 namespace penumbra::nn {
 
-enum class ImageColour { grey, bgr };
 // As the sensor's rows lie in the file, or turned as EXIF data say that the camera was held.
 enum class ImageOrientation { sensor, upright };
 
@@ -19,20 +20,24 @@ inline constexpr std::string_view kReadImages = "a PNG, JPEG, PGM or BMP image";
 // Reads a PNG, JPEG, PGM, PPM or BMP, told by its first bytes, as 8-bit grey or BGR. 16-bit files are scaled
 // down: of their significant bits (PNG: of all 16) the upper 8 stay. Throws InputError where the file is
 // missing, is not such an image, or ends before its last row (a torn file is never returned half-filled).
-cv::Mat read_image(const std::filesystem::path& path, ImageColour colour,
-                   ImageOrientation orientation = ImageOrientation::sensor);
+ByteImage read_image(const std::filesystem::path& path, ImageColour colour,
+                     ImageOrientation orientation = ImageOrientation::sensor);
 
 // The same with all bits that the file has: 8 or 16 a channel, not scaled; the sensor's orientation.
-cv::Mat read_stored_image(const std::filesystem::path& path, ImageColour colour);
+StoredImage read_stored_image(const std::filesystem::path& path, ImageColour colour);
 
 // What the file says about itself, checked as above; its rows are not decoded.
 ImageInfo read_image_info(const std::filesystem::path& path);
 
 // Reads a 16-bit grey PNG or PGM, such as a depth map, as it is. Throws InputError as above, and for any
 // other image.
-cv::Mat1w read_depth_image(const std::filesystem::path& path);
+WordImage read_depth_image(const std::filesystem::path& path);
 
-// Writes `image` (8-bit grey or BGR) in the format of the name's ending; throws Error where that fails.
-void write_image(const std::filesystem::path& path, const cv::Mat& image);
+// Writes `image` (grey or BGR) in the format of the name's ending: .png, .jpg, .jpeg, .pgm or .ppm. Throws
+// Error for another ending, and where the file cannot be written.
+void write_image(const std::filesystem::path& path, const ByteView& image);
+
+// 16 bits a channel: PNG only.
+void write_image(const std::filesystem::path& path, const ImageView<const std::uint16_t>& image);
 
 }  // namespace penumbra::nn

@@ -39,7 +39,11 @@ class NetpbmReader {
     if (!is_text) ++position_;  // the one space
     if (position_ > bytes_.size() || bytes_.size() - position_ < needed) throw_torn();
 
-    image.pixels.create(image.info.height, image.info.width, CV_MAKETYPE(is_wide ? CV_16U : CV_8U, channels));
+    if (is_wide) {
+      image.words.create(image.info.width, image.info.height, channels);
+    } else {
+      image.bytes.create(image.info.width, image.info.height, channels);
+    }
     for (int y = 0; y < image.info.height; ++y) {
       for (int x = 0; x < image.info.width; ++x) {
         for (int c = 0; c < channels; ++c) {
@@ -47,12 +51,11 @@ class NetpbmReader {
           if (value > largest_) {
             throw InputError(place_, fmt::format("values up to {}", largest_), fmt::format("{}", value));
           }
-          const int column = x * channels + (channels - 1 - c);  // red comes first, OpenCV has it last
+          const int column = x * channels + (channels - 1 - c);  // red comes first, here it is last
           if (is_wide) {
-            image.pixels.ptr<std::uint16_t>(y)[column] = static_cast<std::uint16_t>(value);
+            image.words.row(y)[column] = static_cast<std::uint16_t>(value);
           } else {
-            image.pixels.ptr<std::uint8_t>(y)[column] =
-                static_cast<std::uint8_t>((value * 255 + largest_ / 2) / largest_);
+            image.bytes.row(y)[column] = static_cast<std::uint8_t>((value * 255 + largest_ / 2) / largest_);
           }
         }
       }

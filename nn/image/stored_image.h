@@ -1,15 +1,20 @@
 // An image with all bits that its file has.
 #pragma once
 
-#include <opencv2/core.hpp>
-
+#include "nn/image/image.h"
 #include "nn/image/image_container.h"
 
 namespace penumbra::nn {
 
+// Grey or BGR, of 8 bits a channel (`bytes`) or 16 (`words`); the other one is empty.
 struct StoredImage {
-  cv::Mat pixels;  // grey or BGR, of 8 or 16 bits a channel
+  ByteImage bytes;
+  WordImage words;
   ImageInfo info;
+
+  bool is_wide() const { return bytes.empty(); }
+  Size size() const { return is_wide() ? words.size() : bytes.size(); }
+  int channels() const { return is_wide() ? words.channels() : bytes.channels(); }
 };
 
 }  // namespace penumbra::nn

@@ -68,14 +68,13 @@ std::uint8_t weighted_sum(const std::uint8_t* pixels, std::ptrdiff_t stride, con
 
 }  // namespace
 
-ArenaVector<std::uint8_t> antialiased_resize(const cv::Mat& image, const cv::Size& size,
-                                             const cv::Rect& window, Arena& arena) {
-  if (image.empty() || image.depth() != CV_8U || image.channels() > 3) {
+ArenaVector<std::uint8_t> antialiased_resize(const ByteView& image, const Size& size, const Rect& window,
+                                             Arena& arena) {
+  if (image.empty() || image.channels > 3) {
     throw InputError("image", "8-bit pixels of at most 3 channels",
-                     fmt::format("{} x {} pixels of {} channels, depth {}", image.cols, image.rows,
-                                 image.channels(), image.depth()));
+                     fmt::format("{} x {} pixels of {} channels", image.width, image.height, image.channels));
   }
-  if (window.empty() || (window & cv::Rect({}, size)) != window) {
+  if (window.empty() || intersection(window, {0, 0, size.width, size.height}) != window) {
     throw InputError("antialiased_resize", fmt::format("a window inside {} x {}", size.width, size.height),
                      fmt::format("{} x {} at ({}, {})", window.width, window.height, window.x, window.y));
   }
@@ -85,15 +84,15 @@ ArenaVector<std::uint8_t> antialiased_resize(const cv::Mat& image, const cv::Siz
     return static_cast<std::size_t>(height) * static_cast<std::size_t>(width) * kMostChannels;
   };
   ArenaVector<std::uint8_t> resized(arena, bytes(window.height, window.width));
-  const Filter columns(image.cols, size.width, window.x, window.width, arena);
-  const Filter rows(image.rows, size.height, window.y, window.height, arena);
-  const int channels = image.channels(), first_row = rows.first();
+  const Filter columns(image.width, size.width, window.x, window.width, arena);
+  const Filter rows(image.height, size.height, window.y, window.height, arena);
+  const int channels = image.channels, first_row = rows.first();
 
   ArenaVector<std::uint8_t> narrowed(arena, bytes(rows.end() - first_row, window.width));
   for (int y = first_row; y < rows.end(); ++y) {
     for (const Taps& taps : columns.taps()) {
       for (int c = 0; c < channels; ++c) {
-        narrowed.push_back(weighted_sum(image.ptr(y) + taps.first * channels + c, channels, taps));
+        narrowed.push_back(weighted_sum(image.row(y) + taps.first * channels + c, channels, taps));
       }
     }
   }

@@ -11,16 +11,16 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core.hpp>
 
+#include "nn/image/image.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
 
 // The part `window` of `image` (8-bit, 1 or 3 channels, not empty) resized to `size`; only that part is
-// computed. `window` must lie inside `size`, which must not be empty. Bytes as in a cv::Mat: row by row,
+// computed. `window` must lie inside `size`, which must not be empty. Bytes lie row by row,
 // channel beside channel.
-ArenaVector<std::uint8_t> antialiased_resize(const cv::Mat& image, const cv::Size& size,
-                                             const cv::Rect& window, Arena& arena);
+ArenaVector<std::uint8_t> antialiased_resize(const ByteView& image, const Size& size, const Rect& window,
+                                             Arena& arena);
 
 }  // namespace penumbra::nn

@@ -7,8 +7,8 @@
 #pragma once
 
 #include <array>
-#include <opencv2/core.hpp>
 
+#include "nn/image/image.h"
 #include "nn/tensor/feature_map.h"
 
 namespace penumbra::nn {
@@ -21,6 +21,6 @@ struct CropTransform {
 };
 
 // `image` is 8-bit grey or BGR, not empty. The map is [1, 3, crop, crop] in blocks of 4.
-FeatureMap transform_image(const cv::Mat& image, const CropTransform& transform, Arena& arena, int border);
+FeatureMap transform_image(const ByteView& image, const CropTransform& transform, Arena& arena, int border);
 
 }  // namespace penumbra::nn

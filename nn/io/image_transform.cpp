@@ -8,12 +8,12 @@
 
 namespace penumbra::nn {
 
-ImageExtent transformed_extent(const cv::Mat& image, const ImageTransform& transform) {
-  if (image.empty() || image.depth() != CV_8U || (image.channels() != 1 && image.channels() != 3)) {
+ImageExtent transformed_extent(const ByteView& image, const ImageTransform& transform) {
+  if (image.empty() || (image.channels != 1 && image.channels != 3)) {
     throw InputError("image", "8-bit grey or BGR pixels",
-                     fmt::format("{} x {} pixels of {} channels", image.cols, image.rows, image.channels()));
+                     fmt::format("{} x {} pixels of {} channels", image.width, image.height, image.channels));
   }
-  const int height = image.rows, width = image.cols;
+  const int height = image.height, width = image.width;
   // PyTorch divides a number by a tensor as number * (1 / tensor), in f32: the last bit decides the floor
   // below.
   const auto ratio = [](int size, int extent) {
@@ -33,9 +33,9 @@ ImageExtent transformed_extent(const cv::Mat& image, const ImageTransform& trans
   return result;
 }
 
-FeatureMap transform_image(const cv::Mat& image, const ImageTransform& transform, Arena& arena, int border) {
+FeatureMap transform_image(const ByteView& image, const ImageTransform& transform, Arena& arena, int border) {
   const ImageExtent result = transformed_extent(image, transform);
-  const int height = image.rows, width = image.cols, channels = image.channels();
+  const int height = image.height, width = image.width, channels = image.channels;
   FeatureMap map(arena, 1, 3, result.padded_height, result.padded_width, border, kImageBlock);
 
   // Red, green, blue of every byte value, normalised.
@@ -57,8 +57,8 @@ FeatureMap transform_image(const cv::Mat& image, const ImageTransform& transform
       continue;
     }
     const LinearSample row = linear_sample(half_pixel(y, scale_y), height);
-    const std::uint8_t* upper = image.ptr(row.low);
-    const std::uint8_t* lower = image.ptr(row.high);
+    const std::uint8_t* upper = image.row(row.low);
+    const std::uint8_t* lower = image.row(row.high);
     for (int x = 0; x < result.width; ++x, out += kImageBlock) {
       const LinearSample column = linear_sample(half_pixel(x, scale_x), width);
       const int left = column.low * channels, right = column.high * channels;

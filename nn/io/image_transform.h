@@ -11,8 +11,8 @@
 #pragma once
 
 #include <array>
-#include <opencv2/core.hpp>
 
+#include "nn/image/image.h"
 #include "nn/tensor/feature_map.h"
 
 namespace penumbra::nn {
@@ -32,9 +32,9 @@ struct ImageExtent {
 };
 
 // Both throw InputError unless `image` is 8-bit grey or BGR and not empty.
-ImageExtent transformed_extent(const cv::Mat& image, const ImageTransform& transform);
+ImageExtent transformed_extent(const ByteView& image, const ImageTransform& transform);
 
 // The map [1, 3, H_padded, W_padded] in blocks of 4; `border` is its zero border.
-FeatureMap transform_image(const cv::Mat& image, const ImageTransform& transform, Arena& arena, int border);
+FeatureMap transform_image(const ByteView& image, const ImageTransform& transform, Arena& arena, int border);
 
 }  // namespace penumbra::nn

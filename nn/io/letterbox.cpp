@@ -33,13 +33,13 @@ Tap tap(int i, double scale, int extent) {
 
 }  // namespace
 
-LetterboxFrame letterbox_frame(const cv::Mat& image, const Letterbox& letterbox) {
-  if (image.empty() || image.depth() != CV_8U || (image.channels() != 1 && image.channels() != 3)) {
+LetterboxFrame letterbox_frame(const ByteView& image, const Letterbox& letterbox) {
+  if (image.empty() || (image.channels != 1 && image.channels != 3)) {
     throw InputError("image", "8-bit grey or BGR pixels",
-                     fmt::format("{} x {} pixels of {} channels", image.cols, image.rows, image.channels()));
+                     fmt::format("{} x {} pixels of {} channels", image.width, image.height, image.channels));
   }
-  const double scale = std::min(static_cast<double>(letterbox.size) / image.rows,
-                                static_cast<double>(letterbox.size) / image.cols);
+  const double scale = std::min(static_cast<double>(letterbox.size) / image.height,
+                                static_cast<double>(letterbox.size) / image.width);
   const auto resized_extent = [&](int extent) {
     return std::max(static_cast<int>(std::nearbyint(extent * scale)), 1);
   };
@@ -48,8 +48,8 @@ LetterboxFrame letterbox_frame(const cv::Mat& image, const Letterbox& letterbox)
   };
   LetterboxFrame frame;
   frame.scale = static_cast<float>(scale);
-  frame.width = resized_extent(image.cols);
-  frame.height = resized_extent(image.rows);
+  frame.width = resized_extent(image.width);
+  frame.height = resized_extent(image.height);
   frame.map_width = padded(frame.width);
   frame.map_height = padded(frame.height);
   frame.left = leading(frame.map_width - frame.width);
@@ -57,15 +57,15 @@ LetterboxFrame letterbox_frame(const cv::Mat& image, const Letterbox& letterbox)
   return frame;
 }
 
-FeatureMap letterbox_image(const cv::Mat& image, const Letterbox& letterbox, Arena& arena, int border) {
+FeatureMap letterbox_image(const ByteView& image, const Letterbox& letterbox, Arena& arena, int border) {
   const LetterboxFrame frame = letterbox_frame(image, letterbox);
   FeatureMap map(arena, 1, 3, frame.map_height, frame.map_width, border, kImageBlock);
-  const int channels = image.channels();
+  const int channels = image.channels;
   // Extents as OpenCV computes them: the inverse of a quotient.
-  const double scale_x = 1.0 / (static_cast<double>(frame.width) / image.cols);
-  const double scale_y = 1.0 / (static_cast<double>(frame.height) / image.rows);
+  const double scale_x = 1.0 / (static_cast<double>(frame.width) / image.width);
+  const double scale_y = 1.0 / (static_cast<double>(frame.height) / image.height);
   ArenaVector<Tap> columns(arena, static_cast<std::size_t>(frame.map_width));
-  for (int x = 0; x < frame.width; ++x) columns.push_back(tap(x, scale_x, image.cols));
+  for (int x = 0; x < frame.width; ++x) columns.push_back(tap(x, scale_x, image.width));
 
   const float grey = static_cast<float>(letterbox.fill) / 255.0F;
   const auto fill = [grey](float* out, int pixels) {
@@ -83,9 +83,9 @@ FeatureMap letterbox_image(const cv::Mat& image, const Letterbox& letterbox, Are
     }
     fill(out, frame.left);
     out += static_cast<std::ptrdiff_t>(frame.left) * kImageBlock;
-    const Tap row = tap(y - frame.top, scale_y, image.rows);
-    const std::uint8_t* upper = image.ptr(row.low);
-    const std::uint8_t* lower = image.ptr(row.high);
+    const Tap row = tap(y - frame.top, scale_y, image.height);
+    const std::uint8_t* upper = image.row(row.low);
+    const std::uint8_t* lower = image.row(row.high);
     for (const Tap& column : columns) {
       for (int c = 0; c < 3; ++c) {
         const int byte = channels == 3 ? 2 - c : 0;  // BGR to RGB

@@ -12,8 +12,7 @@
 // Source: Jocher et al., YOLOv5, letterbox with auto padding.
 #pragma once
 
-#include <opencv2/core.hpp>
-
+#include "nn/image/image.h"
 #include "nn/tensor/feature_map.h"
 
 namespace penumbra::nn {
@@ -32,9 +31,9 @@ struct LetterboxFrame {
 };
 
 // Both throw InputError unless `image` is 8-bit grey or BGR and not empty.
-LetterboxFrame letterbox_frame(const cv::Mat& image, const Letterbox& letterbox);
+LetterboxFrame letterbox_frame(const ByteView& image, const Letterbox& letterbox);
 
 // The map [1, 3, H_padded, W_padded] in blocks of 4; `border` is its zero border.
-FeatureMap letterbox_image(const cv::Mat& image, const Letterbox& letterbox, Arena& arena, int border);
+FeatureMap letterbox_image(const ByteView& image, const Letterbox& letterbox, Arena& arena, int border);
 
 }  // namespace penumbra::nn

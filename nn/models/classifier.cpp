@@ -32,9 +32,9 @@ Classifier::Classifier(const StateDict& state_dict, ClassifierConfig config) : c
 
 std::string Classifier::name() const { return fmt::format("ResNet-{}", backbone_.shape().depth); }
 
-void Classifier::operator()(const cv::Mat& image, Arena& arena, std::vector<float>& logits) const {
+void Classifier::operator()(const ByteView& image, Arena& arena, std::vector<float>& logits) const {
   // The image's own extents decide how much memory its resizing takes.
-  const Arena::Pass pass(arena, this, image.rows, image.cols);
+  const Arena::Pass pass(arena, this, image.height, image.width);
   FeatureMap input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
   const std::array<FeatureMap, 4> stages = backbone_(std::move(input), arena);
   const FeatureMap outputs = head_(global_avg_pool(stages.back(), arena), arena);

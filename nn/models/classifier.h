@@ -6,10 +6,10 @@
 // torchvision.models.resnet.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "nn/io/crop_transform.h"
 #include "nn/models/resnet.h"
 
@@ -31,14 +31,14 @@ class Classifier {
 
   // The logits. `image` is 8-bit grey or BGR of any size, not empty. Activations live in `arena`, nothing in
   // the network changes.
-  std::vector<float> operator()(const cv::Mat& image, Arena& arena) const {
+  std::vector<float> operator()(const ByteView& image, Arena& arena) const {
     std::vector<float> logits;
     (*this)(image, arena, logits);
     return logits;
   }
   // The same into `logits`, whose memory is used again: from the second image of a shape on nothing is
   // allocated.
-  void operator()(const cv::Mat& image, Arena& arena, std::vector<float>& logits) const;
+  void operator()(const ByteView& image, Arena& arena, std::vector<float>& logits) const;
 
  private:
   ClassifierConfig config_;

@@ -1,10 +1,10 @@
 // What every network that finds object instances in images looks like from outside.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "nn/layers/box.h"
 #include "nn/layers/mask_paste.h"
 #include "nn/tensor/arena.h"
@@ -39,15 +39,15 @@ class InstanceSegmenter {
   // each has an arena of its own.
   // `detections` is overwritten, its memory used again: from the second image of a shape on nothing else is
   // allocated.
-  virtual void detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const = 0;
-  std::vector<Detection> detect(const cv::Mat& image, Arena& arena) const {
+  virtual void detect(const ByteView& image, Arena& arena, std::vector<Detection>& detections) const = 0;
+  std::vector<Detection> detect(const ByteView& image, Arena& arena) const {
     std::vector<Detection> detections;
     detect(image, arena, detections);
     return detections;
   }
 
   // The same in the network's own arena; for one thread at a time.
-  std::vector<Detection> operator()(const cv::Mat& image) { return detect(image, arena_); }
+  std::vector<Detection> operator()(const ByteView& image) { return detect(image, arena_); }
   const Arena& arena() const { return arena_; }
 
  private:

@@ -97,7 +97,7 @@ std::string MaskRcnn::name() const {
                      has_attention() ? " with mixed attention" : "");
 }
 
-void MaskRcnn::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const {
+void MaskRcnn::detect(const ByteView& image, Arena& arena, std::vector<Detection>& detections) const {
   const ImageExtent extent = transformed_extent(image, config_.transform);
   const Arena::Pass pass(arena, this, extent.padded_height, extent.padded_width);
   FeatureMap input = transform_image(image, config_.transform, arena, ResNet::kImageBorder);
@@ -109,8 +109,8 @@ void MaskRcnn::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>
   const ArenaVector<ScoredBox> boxes = box_head_(levels, proposals, extent, arena);
   const ArenaVector<float> probabilities = mask_head_(levels, boxes, arena);
 
-  const float ratio_x = static_cast<float>(image.cols) / static_cast<float>(extent.width);
-  const float ratio_y = static_cast<float>(image.rows) / static_cast<float>(extent.height);
+  const float ratio_x = static_cast<float>(image.width) / static_cast<float>(extent.width);
+  const float ratio_y = static_cast<float>(image.height) / static_cast<float>(extent.height);
   const int size = mask_head_.mask_size();
   detections.resize(boxes.size());
 #pragma omp parallel for schedule(dynamic)
@@ -121,8 +121,8 @@ void MaskRcnn::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>
     detection.score = boxes[d].score;
     detection.label = boxes[d].label;
     const auto pixels = static_cast<std::size_t>(size * size);
-    paste_mask(probabilities.span().subspan(d * pixels, pixels), size, detection.box, image.cols, image.rows,
-               config_.mask_threshold, detection.mask);
+    paste_mask(probabilities.span().subspan(d * pixels, pixels), size, detection.box, image.width,
+               image.height, config_.mask_threshold, detection.mask);
   }
 }
 

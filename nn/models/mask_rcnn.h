@@ -16,7 +16,6 @@
 // Source: He et al. 2017; docs/papers.md A.1; torchvision.models.detection.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -60,7 +59,7 @@ class MaskRcnn : public InstanceSegmenter {
 
   // The parts that benchmarks time: the extent of an image at the network, P2..P6 of a transformed image
   // (given back when the stem has read it), and the multiply-adds of the convolutions on the way there.
-  ImageExtent input_extent(const cv::Mat& image) const {
+  ImageExtent input_extent(const ByteView& image) const {
     return transformed_extent(image, config_.transform);
   }
   std::array<FeatureMap, kPyramidLevels> pyramid(FeatureMap input, Arena& arena) const {
@@ -71,7 +70,7 @@ class MaskRcnn : public InstanceSegmenter {
   }
 
   using InstanceSegmenter::detect;
-  void detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const override;
+  void detect(const ByteView& image, Arena& arena, std::vector<Detection>& detections) const override;
 
  private:
   MaskRcnnConfig config_;

@@ -41,7 +41,7 @@ ArenaVector<Yolov5Candidate> Yolov5::best_candidates(const Yolov5Output& output,
   return best;
 }
 
-void Yolov5::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const {
+void Yolov5::detect(const ByteView& image, Arena& arena, std::vector<Detection>& detections) const {
   const LetterboxFrame input = letterbox_frame(image, config_.letterbox);
   const Arena::Pass pass(arena, this, input.map_height, input.map_width);
   const Yolov5Output output =
@@ -49,7 +49,7 @@ void Yolov5::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& 
   const ArenaVector<Yolov5Candidate> candidates = best_candidates(output, arena);
 
   const auto left = static_cast<float>(input.left), top = static_cast<float>(input.top);
-  const auto width = static_cast<float>(image.cols), height = static_cast<float>(image.rows);
+  const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
   // Prototypes have a quarter of the input's resolution.
   const PrototypeFrame frame{0.25F * left, 0.25F * top, 0.25F * static_cast<float>(input.width) / width,
                              0.25F * static_cast<float>(input.height) / height};
@@ -74,8 +74,8 @@ void Yolov5::detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& 
     }
     const std::span<float> probabilities(
         scratch.data() + static_cast<std::size_t>(omp_get_thread_num()) * prototype_pixels, prototype_pixels);
-    prototype_mask(output.prototypes, head_.coefficients(output, candidate), frame, detection.box, image.cols,
-                   image.rows, config_.mask_threshold, probabilities, detection.mask);
+    prototype_mask(output.prototypes, head_.coefficients(output, candidate), frame, detection.box,
+                   image.width, image.height, config_.mask_threshold, probabilities, detection.mask);
   }
 }
 

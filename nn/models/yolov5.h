@@ -8,7 +8,6 @@
 // YOLOv5 7.0; weights_tools/reference/yolov5.py is the oracle.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -43,7 +42,7 @@ class Yolov5 : public InstanceSegmenter {
   const Yolov5Shape& shape() const { return shape_; }
 
   using InstanceSegmenter::detect;
-  void detect(const cv::Mat& image, Arena& arena, std::vector<Detection>& detections) const override;
+  void detect(const ByteView& image, Arena& arena, std::vector<Detection>& detections) const override;
 
   // The network alone, without what comes before and after. `image` is [1, 3, H, W] in blocks of 4, extents
   // multiples of 32.

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "nn/simd/activation_kind.h"
+#include "nn/simd/image_kernels.h"
 #include "nn/simd/isa.h"
 
 namespace penumbra::nn {
@@ -117,6 +118,8 @@ struct KernelTable {
   // Runs `iterations` of a loop of independent multiply-adds in registers; returns the floating-point
   // operations done (two a multiply-add): what the processor can do at best.
   double (*peak_loop)(long iterations);
+
+  ImageKernels image;
 };
 
 // The table of the current instruction set.

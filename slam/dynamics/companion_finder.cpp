@@ -81,20 +81,21 @@ std::optional<Instance> CompanionFinder::observe(std::shared_ptr<const FrameFeat
   if (!reliable) past_.clear();
   while (!past_.empty() && !(time - past_.front().time < settings_.longest)) past_.pop_front();
   while (past_.size() > 1 && time - past_[1].time >= settings_.seconds) past_.pop_front();
-  std::vector<cv::Point> travelling, standing;
+  std::vector<Pixel> travelling, standing;
   if (!past_.empty() && time - past_.front().time >= settings_.seconds) {
     const std::vector<Found> found = found_again(past_.front(), *features, T_co);
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (!found[i].origin.known || !origins[i].known || features->movable[i] != 0) continue;
       const Keypoint& k = features->keypoint(static_cast<int>(i));
       const bool moves = found[i].clearly && travels(found[i].origin, origins[i], settings_.least_speed);
-      (moves ? travelling : standing).push_back({cvRound(k.u), cvRound(k.v)});
+      (moves ? travelling : standing)
+          .push_back({static_cast<int>(std::lrint(k.u)), static_cast<int>(std::lrint(k.v))});
     }
   }
   past_.push_back({std::move(features), std::move(origins), time});
   if (static_cast<int>(travelling.size()) < settings_.fewest_features) return std::nullopt;
-  const cv::Size image(camera_.width, camera_.height);
-  const cv::Mat1b outline = outline_of_cluster(image, travelling, std::max(4, image.width / 18));
+  const Size image{camera_.width, camera_.height};
+  const ByteImage outline = outline_of_cluster(image, travelling, std::max(4, image.width / 18));
   const int own = count_inside(outline, travelling), foreign = count_inside(outline, standing);
   if (own < settings_.fewest_features || own < settings_.least_share * (own + foreign)) return std::nullopt;
   return outlined_instance(outline, own, foreign);

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
+
+#include "nn/image/image.h"
 
 namespace penumbra::slam {
 
@@ -12,15 +13,15 @@ struct Instance {
   int class_id = 0;        // number of the class in the detector's own list
   std::string class_name;  // "car", "person", ...
   float score = 0.0F;      // 0..1
-  cv::Rect region;         // pixels of the left image; lies inside the image
-  cv::Mat1b mask;          // size of `region`; 0 outside the object, 255 inside
+  Rect region;             // pixels of the left image; lies inside the image
+  ByteImage mask;          // size of `region`; 0 outside the object, 255 inside
 
-  bool contains(const cv::Point& pixel) const {
-    return region.contains(pixel) && mask(pixel - region.tl()) != 0;
+  bool contains(int x, int y) const {
+    return region.contains(x, y) && mask.at(x - region.x, y - region.y) != 0;
   }
 };
 
 // Finds the instances of an image (8-bit grey or BGR); `frame` is its number in the sequence.
-using Segmenter = std::function<std::vector<Instance>(int frame, const cv::Mat& image)>;
+using Segmenter = std::function<std::vector<Instance>(int frame, const ByteImage& image)>;
 
 }  // namespace penumbra::slam

@@ -432,14 +432,18 @@ std::vector<SeenObject> InstanceTracker::objects() const {
 }
 
 double InstanceTracker::covered_share() const {
-  cv::Mat1b covered;
+  ByteImage covered;
   for (std::size_t object = 0; object < followed_.size(); ++object) {
     if (!followed_[object].active || !moves(object) || (trusted_ && !instances_[object].measured)) continue;
-    if (covered.empty()) covered = cv::Mat1b::zeros(camera_.height, camera_.width);
+    if (covered.empty()) covered = ByteImage::filled(camera_.width, camera_.height, 0);
     const InstanceView& view = followed_[object].views.back();
-    covered(view.region) |= view.mask;
+    for (int y = 0; y < view.region.height; ++y) {
+      const std::uint8_t* mask = view.mask.row(y);
+      std::uint8_t* row = covered.row(view.region.y + y) + view.region.x;
+      for (int x = 0; x < view.region.width; ++x) row[x] |= mask[x];
+    }
   }
-  return covered.empty() ? 0.0 : cv::countNonZero(covered) / static_cast<double>(covered.total());
+  return covered.empty() ? 0.0 : count_pixels(covered) / static_cast<double>(covered.elements());
 }
 
 std::vector<InstanceSighting> InstanceTracker::sightings() const {

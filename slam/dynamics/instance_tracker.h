@@ -79,8 +79,8 @@ struct TrackedInstance {
 // What a frame showed of an object: for pictures and reports.
 struct InstanceSighting {
   int id = 0;
-  cv::Rect region;
-  cv::Mat1b mask;
+  Rect region;
+  ByteImage mask;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // camera's frame, metres
   MotionState state = MotionState::still;            // when it was last looked at
   double visible_share = 1.0;

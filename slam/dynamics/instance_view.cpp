@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "nn/base/quantile.h"
+#include "nn/image/resize.h"
 
 namespace penumbra::slam {
 
@@ -64,16 +64,16 @@ bool warp_mask(const StereoCamera& camera, const Eigen::Vector2d& from, const Ei
                double scale, const InstanceView& view, InstanceView& warped) {
   const Eigen::Vector2d corner =
       to + scale * (Eigen::Vector2d(view.region.x - 0.5, view.region.y - 0.5) - from);
-  const cv::Rect whole(static_cast<int>(std::lround(corner.x() + 0.5)),
-                       static_cast<int>(std::lround(corner.y() + 0.5)),
-                       std::max(1, static_cast<int>(std::lround(scale * view.region.width))),
-                       std::max(1, static_cast<int>(std::lround(scale * view.region.height))));
-  const cv::Rect inside = whole & cv::Rect(0, 0, camera.width, camera.height);
+  const Rect whole{static_cast<int>(std::lround(corner.x() + 0.5)),
+                   static_cast<int>(std::lround(corner.y() + 0.5)),
+                   std::max(1, static_cast<int>(std::lround(scale * view.region.width))),
+                   std::max(1, static_cast<int>(std::lround(scale * view.region.height)))};
+  const Rect inside = intersection(whole, {0, 0, camera.width, camera.height});
   if (inside.area() < 16) return false;
-  cv::Mat1b mask;
-  cv::resize(view.mask, mask, whole.size(), 0, 0, cv::INTER_NEAREST);
+  const ByteImage mask = resize_nearest<std::uint8_t>(view.mask, {whole.width, whole.height});
   warped.region = inside;
-  warped.mask = mask(inside - whole.tl()).clone();
+  warped.mask =
+      ByteImage::copy_of(mask.region({inside.x - whole.x, inside.y - whole.y, inside.width, inside.height}));
   return true;
 }
 
@@ -117,10 +117,14 @@ std::vector<std::pair<int, int>> match(const std::vector<Guess>& guesses, const 
 }
 
 int shared_area(const InstanceView& a, const InstanceView& b) {
-  const cv::Rect common = a.region & b.region;
-  if (common.empty()) return 0;
-  const cv::Mat1b both = a.mask(common - a.region.tl()) & b.mask(common - b.region.tl());
-  return cv::countNonZero(both);
+  const Rect common = intersection(a.region, b.region);
+  int shared = 0;
+  for (int y = common.y; y < common.y + common.height; ++y) {
+    const std::uint8_t* in_a = a.mask.row(y - a.region.y) + common.x - a.region.x;
+    const std::uint8_t* in_b = b.mask.row(y - b.region.y) + common.x - b.region.x;
+    for (int x = 0; x < common.width; ++x) shared += (in_a[x] & in_b[x]) != 0;
+  }
+  return shared;
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "nn/image/shapes.h"
 #include "slam/dynamics/instance.h"
 #include "slam/frontend/features/frame_features.h"
 #include "slam/geometry/se3.h"
@@ -23,19 +24,19 @@ namespace penumbra::slam {
 
 struct InstanceView {
   int frame = 0;
-  cv::Rect region;                                   // inside the image
-  cv::Mat1b mask;                                    // of `region`
+  Rect region;                                       // inside the image
+  ByteImage mask;                                    // of `region`
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of the stereo points on it, camera's frame, metres
   double nearest = 0.0, farthest = 0.0;              // depths that belong to it
   std::vector<int> features;                         // on it, ascending
 
   bool contains(int x, int y) const {
-    return region.contains({x, y}) && mask(y - region.y, x - region.x) != 0;
+    return region.contains(x, y) && mask.at(x - region.x, y - region.y) != 0;
   }
-  int area() const { return cv::countNonZero(mask); }
-  bool touches_border(const cv::Size& image) const {
-    return region.x <= 1 || region.y <= 1 || region.br().x >= image.width - 1 ||
-           region.br().y >= image.height - 1;
+  int area() const { return count_pixels(mask); }
+  bool touches_border(const Size& image) const {
+    return region.x <= 1 || region.y <= 1 || region.x + region.width >= image.width - 1 ||
+           region.y + region.height >= image.height - 1;
   }
 };
 

@@ -57,12 +57,12 @@ bool fits_into_vehicle(std::span<const PoseObservation> observations, const std:
   return bulk(x) <= settings.width && bulk(y) <= settings.height && bulk(z) <= settings.length;
 }
 
-std::vector<cv::Point> pixels_of(std::span<const PoseObservation> observations,
-                                 const std::vector<std::size_t>& points) {
-  std::vector<cv::Point> pixels;
+std::vector<Pixel> pixels_of(std::span<const PoseObservation> observations,
+                             const std::vector<std::size_t>& points) {
+  std::vector<Pixel> pixels;
   for (const std::size_t i : points) {
     const Eigen::Vector3d& pixel = observations[i].measurement.pixel;
-    pixels.emplace_back(cvRound(pixel.x()), cvRound(pixel.y()));
+    pixels.push_back({static_cast<int>(std::lrint(pixel.x())), static_cast<int>(std::lrint(pixel.y()))});
   }
   return pixels;
 }
@@ -71,8 +71,8 @@ std::vector<cv::Point> pixels_of(std::span<const PoseObservation> observations,
 bool describe_mover(const StereoCamera& camera, std::span<const PoseObservation> observations,
                     const std::vector<std::size_t>& own, const std::vector<std::size_t>& others,
                     const SE3& T_cw, SeparatedMotions& motions) {
-  const std::vector<cv::Point> pixels = pixels_of(observations, own);
-  const cv::Mat1b outline =
+  const std::vector<Pixel> pixels = pixels_of(observations, own);
+  const ByteImage outline =
       outline_of_cluster({camera.width, camera.height}, pixels, std::max(4, camera.width / 40));
   const int inside = count_inside(outline, pixels);
   const int foreign = count_inside(outline, pixels_of(observations, others));
@@ -155,7 +155,7 @@ void mark_mover(const SeparatedMotions& motions, const FrameFeatures& features) 
     const Keypoint& k = features.keypoint(i);
     const double depth = features.depth[static_cast<std::size_t>(i)];
     if (features.has_stereo(i) && (depth < motions.nearest || depth > motions.farthest)) continue;
-    if (motions.mover->contains({cvRound(k.u), cvRound(k.v)}))
+    if (motions.mover->contains(static_cast<int>(std::lrint(k.u)), static_cast<int>(std::lrint(k.v))))
       features.movable[static_cast<std::size_t>(i)] = 1;
   }
 }

@@ -32,7 +32,7 @@ SegmentationWorker::~SegmentationWorker() {
   if (thread_.joinable()) thread_.join();
 }
 
-void SegmentationWorker::submit(int frame, const cv::Mat& image) {
+void SegmentationWorker::submit(int frame, const ByteImage& image) {
   if (!segmenter_) return;
   if (!threaded_) {
     done_.push_back(segment({frame, image}));
@@ -42,7 +42,7 @@ void SegmentationWorker::submit(int frame, const cv::Mat& image) {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     dropped_ += waiting_.has_value();
-    waiting_ = {frame, image.clone()};
+    waiting_ = {frame, image};
   }
   changed_.notify_all();
 }

@@ -14,6 +14,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "nn/base/stage_timer.h"
@@ -36,8 +37,8 @@ class SegmentationWorker {
   SegmentationWorker& operator=(const SegmentationWorker&) = delete;
 
   bool enabled() const { return static_cast<bool>(segmenter_); }
-  // Rethrows what the segmenter has thrown at an earlier image. `image` is copied.
-  void submit(int frame, const cv::Mat& image);
+  // Rethrows what the segmenter has thrown at an earlier image. `image` is shared, and must not be changed.
+  void submit(int frame, const ByteImage& image);
   // What was found since the last call, oldest first.
   std::vector<SegmentedFrame> take();
   // Waits until no image is left.
@@ -50,7 +51,7 @@ class SegmentationWorker {
  private:
   struct Job {
     int frame = 0;
-    cv::Mat image;
+    ByteImage image;
   };
   void run();
   SegmentedFrame segment(const Job& job);

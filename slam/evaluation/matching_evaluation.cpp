@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/features2d.hpp>
 
 #include "nn/base/stopwatch.h"
+#include "nn/image/grey.h"
 #include "slam/frontend/features/depth_measurement.h"
 #include "slam/frontend/features/descriptor_matcher.h"
-#include "slam/frontend/features/grey_image.h"
 #include "slam/frontend/features/orb_extractor.h"
 #include "slam/frontend/features/stereo_matcher.h"
 #include "slam/geometry/triangulation.h"
@@ -30,7 +29,7 @@ std::vector<float> depths_of(const StereoCamera& camera, const StereoImages& ima
   if (!images.depth.empty()) {
     measure_depth(camera, left, images.depth, stereo);
   } else if (!images.right.empty()) {
-    const cv::Mat grey = to_grey(images.right);
+    const ByteImage grey = to_grey(images.right);
     OrbExtractor extractor(orb);
     Features right;
     extractor.extract(grey, right);
@@ -62,15 +61,13 @@ struct MatchingEvaluation::Image {
   double timestamp = 0.0;  // seconds
   Features orb;
   std::vector<float> depth;  // of `orb`, metres; -1 where unknown
-  std::vector<cv::KeyPoint> sift_points;
-  cv::Mat sift_descriptors;
-  double orb_ms = 0.0, sift_ms = 0.0;
+  double orb_ms = 0.0;
 };
 
 const char* name_of(MatchingMethod method) {
   switch (method) {
-    case MatchingMethod::sift:
-      return "SIFT";
+    case MatchingMethod::baseline:
+      return "baseline";
     case MatchingMethod::orb:
       return "ORB";
     case MatchingMethod::orb_paper:
@@ -97,7 +94,7 @@ double MotionCheck::distance(const Eigen::Vector2d& first, const Eigen::Vector2d
 }
 
 MatchingEvaluation::MatchingEvaluation(const StereoCamera& camera, const MatchingSettings& settings)
-    : camera_(camera), settings_(settings) {}
+    : camera_(camera), settings_(settings), baseline_(settings.baseline ? settings.baseline() : nullptr) {}
 
 MatchingEvaluation::~MatchingEvaluation() = default;
 
@@ -125,7 +122,7 @@ void MatchingEvaluation::add(const StereoImages& images, const SE3& T_wc) {
   auto now = std::make_unique<Image>();
   now->T_wc = T_wc;
   now->timestamp = images.timestamp;
-  const cv::Mat grey = to_grey(images.left);
+  const ByteImage grey = to_grey(images.left);
   OrbSettings orb;
   orb.features = settings_.orb_features;
   OrbExtractor extractor(orb);
@@ -135,32 +132,20 @@ void MatchingEvaluation::add(const StereoImages& images, const SE3& T_wc) {
     now->orb_ms = watch.milliseconds();
   }
   now->depth = depths_of(camera_, images, now->orb, extractor.pyramid(), orb);
-  if (settings_.sift) {
-    const Stopwatch watch;
-    cv::SIFT::create()->detectAndCompute(grey, cv::noArray(), now->sift_points, now->sift_descriptors);
-    now->sift_ms = watch.milliseconds();
-  }
+  MatchingBaseline::Pairs others;
+  if (baseline_) others = baseline_->match(grey);
   if (before_) {
     const MotionCheck check(camera_, now->T_wc.inverse() * before_->T_wc);
     const Stopwatch watch;
-    std::vector<MatchedPixels> pairs = match_orb(*now);
+    const std::vector<MatchedPixels> pairs = match_orb(*now);
     const double match_ms = watch.milliseconds();
     for (const MatchingMethod method : {MatchingMethod::orb, MatchingMethod::orb_paper,
                                         MatchingMethod::orb_adaptive, MatchingMethod::orb_compensated}) {
       add_pairs(method, pairs, check, now->orb_ms, match_ms);
     }
     motion_.observe(now->T_wc.inverse(), before_->T_wc.inverse(), before_->timestamp, now->timestamp);
-    if (settings_.sift && !before_->sift_descriptors.empty() && !now->sift_descriptors.empty()) {
-      pairs.clear();
-      const Stopwatch sift_watch;
-      std::vector<cv::DMatch> matches;
-      cv::BFMatcher(cv::NORM_L2, true).match(before_->sift_descriptors, now->sift_descriptors, matches);
-      for (const cv::DMatch& m : matches) {
-        const cv::Point2f a = before_->sift_points[static_cast<std::size_t>(m.queryIdx)].pt;
-        const cv::Point2f b = now->sift_points[static_cast<std::size_t>(m.trainIdx)].pt;
-        pairs.push_back({{a.x, a.y}, {b.x, b.y}});
-      }
-      add_pairs(MatchingMethod::sift, pairs, check, now->sift_ms, sift_watch.milliseconds());
+    if (!others.pixels.empty()) {
+      add_pairs(MatchingMethod::baseline, others.pixels, check, others.extract_ms, others.match_ms);
     }
   }
   before_ = std::move(now);

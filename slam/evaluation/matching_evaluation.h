@@ -13,16 +13,18 @@
 // depth. The first two images have no motion before them; there, and where a feature has no depth, it has no
 // more to go by than the adaptive one.
 //
-// SIFT stands in for the paper's SURF, which is patented in part and not in Debian's OpenCV: both are
-// blobs of a scale space with a descriptor of gradients.
+// Another kind of feature can be measured beside ours (MatchingBaseline). The target penumbra-sift has OpenCV's
+// SIFT, which stands in for the paper's SURF, patented in part and not in Debian's OpenCV: both are blobs of a
+// scale space with a descriptor of gradients.
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "slam/frontend/features/mismatch_filter.h"
 #include "slam/frontend/locating/motion_model.h"
 #include "slam/geometry/se3.h"
@@ -31,16 +33,30 @@
 
 namespace penumbra::slam {
 
-enum class MatchingMethod { sift, orb, orb_paper, orb_adaptive, orb_compensated };
-inline constexpr std::array kMatchingMethods = {MatchingMethod::sift, MatchingMethod::orb,
+enum class MatchingMethod { baseline, orb, orb_paper, orb_adaptive, orb_compensated };
+// The baseline has a name of its own.
+const char* name_of(MatchingMethod method);
+inline constexpr std::array kMatchingMethods = {MatchingMethod::baseline, MatchingMethod::orb,
                                                 MatchingMethod::orb_paper, MatchingMethod::orb_adaptive,
                                                 MatchingMethod::orb_compensated};
-const char* name_of(MatchingMethod method);
+// Features of another kind, compared with ours.
+class MatchingBaseline {
+ public:
+  struct Pairs {
+    std::vector<MatchedPixels> pixels;  // first: in the image before
+    double extract_ms = 0.0, match_ms = 0.0;
+  };
+  virtual ~MatchingBaseline() = default;
+  virtual std::string name() const = 0;
+  // The pairs of the next image (8-bit grey) with the one before; none for the first one of a sequence.
+  virtual Pairs match(const ByteView& grey) = 0;
+};
+using BaselineMaker = std::function<std::unique_ptr<MatchingBaseline>()>;  // one for each sequence
 
 struct MatchingSettings {
   double threshold = 2.0;   // pixels
   int orb_features = 1000;  // per image
-  bool sift = true;         // it takes twenty times as long as the rest
+  BaselineMaker baseline;   // none where empty
 };
 
 // Sums over image pairs.
@@ -99,6 +115,7 @@ class MatchingEvaluation {
 
   const StereoCamera camera_;
   const MatchingSettings settings_;
+  std::unique_ptr<MatchingBaseline> baseline_;
   std::unique_ptr<Image> before_;
   MotionModel motion_;  // up to the image before
   std::array<MatchingCounts, kMatchingMethods.size()> counts_;

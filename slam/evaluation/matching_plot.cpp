@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "nn/base/error.h"
 #include "slam/evaluation/plot_canvas.h"
@@ -16,7 +15,7 @@ namespace {
 // Final pixels.
 constexpr int kWidth = 1200, kTop = 110, kPanel = 330, kGap = 70, kBottom = 60, kLeft = 120, kRight = 40;
 
-const cv::Scalar kEffective(178, 114, 0), kWrong(0, 94, 213);  // BGR
+constexpr Bgr kEffective{178, 114, 0}, kWrong{0, 94, 213};
 
 using Bin = DisplacementHistogram::Bin;
 
@@ -37,7 +36,7 @@ std::size_t shown_bins(const std::vector<HistogramPanel>& panels) {
   return shown;
 }
 
-void draw_panel(cv::Mat& canvas, const HistogramPanel& panel, double top, std::size_t shown) {
+void draw_panel(PlotCanvas& canvas, const HistogramPanel& panel, double top, std::size_t shown) {
   const double width = kWidth - kLeft - kRight, bar = width / static_cast<double>(shown);
   double most = 1.0;
   for (const Bin& b : panel.histogram.bins) {
@@ -45,10 +44,10 @@ void draw_panel(cv::Mat& canvas, const HistogramPanel& panel, double top, std::s
         {most, std::sqrt(b.effective_kept + b.wrong_kept), std::sqrt(b.effective_removed + b.wrong_removed)});
   }
   const double middle = top + 0.62 * kPanel, up = 0.6 * kPanel / most, down = 0.36 * kPanel / most;
-  const auto draw_bar = [&](std::size_t i, double from, double to, const cv::Scalar& colour) {
+  const auto draw_bar = [&](std::size_t i, double from, double to, const Bgr& colour) {
     if (from == to) return;
     const double x = kLeft + bar * static_cast<double>(i);
-    cv::rectangle(canvas, scaled({x + 0.08 * bar, from}), scaled({x + 0.92 * bar, to}), colour, cv::FILLED);
+    canvas.box({x + 0.08 * bar, from}, {x + 0.92 * bar, to}, colour);
   };
   for (std::size_t i = 0; i < shown; ++i) {
     const Bin& b = panel.histogram.bins[i];
@@ -63,40 +62,38 @@ void draw_panel(cv::Mat& canvas, const HistogramPanel& panel, double top, std::s
     draw_bar(i, middle, r, kEffective);
     draw_bar(i, r, r + down * part(b.wrong_removed, removed), kWrong);
   }
-  cv::line(canvas, scaled({kLeft, middle}), scaled({kWidth - kRight, middle}), kInk, 2, cv::LINE_AA);
-  draw_text(canvas, panel.title, {kLeft, top - 14}, 15, Anchor::left, kInk, true);
-  draw_text(canvas, "kept", {kLeft - 12, middle - 0.3 * kPanel}, 13, Anchor::right, kInk);
-  draw_text(canvas, "removed", {kLeft - 12, middle + 0.2 * kPanel}, 13, Anchor::right, kInk);
+  canvas.line({kLeft, middle}, {kWidth - kRight, middle}, 1.0, kInk);
+  canvas.text(panel.title, {kLeft, top - 14}, 15, Anchor::left, kInk, true);
+  canvas.text("kept", {kLeft - 12, middle - 0.3 * kPanel}, 13, Anchor::right, kInk);
+  canvas.text("removed", {kLeft - 12, middle + 0.2 * kPanel}, 13, Anchor::right, kInk);
   const double step = round_step(90.0 / bar * DisplacementHistogram::kWidth);
   for (double x = 0.0; x <= static_cast<double>(shown) * DisplacementHistogram::kWidth; x += step) {
     const double column = kLeft + x / DisplacementHistogram::kWidth * bar;
-    draw_text(canvas, fmt::format("{:g}", x), {column, top + kPanel + 18}, 12, Anchor::centre, kFaintInk);
+    canvas.text(fmt::format("{:g}", x), {column, top + kPanel + 18}, 12, Anchor::centre, kFaintInk);
   }
 }
 
 }  // namespace
 
-cv::Mat draw_displacements(const std::string& title, const std::vector<HistogramPanel>& panels) {
+PlotCanvas draw_displacements(const std::string& title, const std::vector<HistogramPanel>& panels) {
   if (panels.empty()) throw Error("cannot draw no histogram");
   const int height = kTop + static_cast<int>(panels.size()) * (kPanel + kGap) + kBottom;
-  cv::Mat canvas(cv::Size(kWidth, height) * kSupersampling, CV_8UC3, kPaper);
-  draw_text(canvas, title, {kLeft, 36}, 18, Anchor::left, kInk, true);
+  PlotCanvas canvas(kWidth, height);
+  canvas.text(title, {kLeft, 36}, 18, Anchor::left, kInk, true);
   double x = kLeft;
   for (const auto& [name, colour] : {std::pair("effective", kEffective), std::pair("wrong", kWrong)}) {
-    cv::rectangle(canvas, scaled({x, 52}), scaled({x + 18, 66}), colour, cv::FILLED);
-    draw_text(canvas, name, {x + 26, 65}, 13, Anchor::left, kInk);
+    canvas.box({x, 52}, {x + 18, 66}, colour);
+    canvas.text(name, {x + 26, 65}, 13, Anchor::left, kInk);
     x += 60 + text_width(name, 13);
   }
-  draw_text(canvas, "height: square root of the number of pairs", {x + 10, 65}, 13, Anchor::left, kFaintInk);
+  canvas.text("height: square root of the number of pairs", {x + 10, 65}, 13, Anchor::left, kFaintInk);
   const std::size_t shown = shown_bins(panels);
   for (std::size_t p = 0; p < panels.size(); ++p) {
     draw_panel(canvas, panels[p], kTop + static_cast<double>(p) * (kPanel + kGap), shown);
   }
-  draw_text(canvas, "how far the features of a pair moved (pixels)", {0.5 * kWidth, height - 28.0}, 14,
-            Anchor::centre, kInk);
-  cv::Mat picture;
-  cv::resize(canvas, picture, {kWidth, height}, 0.0, 0.0, cv::INTER_AREA);
-  return picture;
+  canvas.text("how far the features of a pair moved (pixels)", {0.5 * kWidth, height - 28.0}, 14,
+              Anchor::centre, kInk);
+  return canvas;
 }
 
 }  // namespace penumbra::slam

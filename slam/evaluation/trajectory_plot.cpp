@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "nn/base/error.h"
@@ -21,45 +20,44 @@ constexpr int kMostGridLines = 64;
 constexpr double kSmallestSpan = 1.0;  // metres shown of a camera that stands still
 constexpr double kEmptyBorder = 0.06;  // of the span, on each side of the path
 
-const cv::Scalar kFrame(180, 180, 180), kTruthColour(150, 150, 150), kEstimateColour(178, 114, 0),
-    kStartColour(115, 158, 0), kEndColour(0, 94, 213);  // BGR
+constexpr Bgr kFrame{180, 180, 180}, kTruthColour{150, 150, 150}, kEstimateColour{178, 114, 0},
+    kStartColour{115, 158, 0}, kEndColour{0, 94, 213};
 
-std::vector<cv::Point2d> project(const Trajectory& trajectory, PlotPlane plane) {
-  std::vector<cv::Point2d> points;
+std::vector<Point2> project(const Trajectory& trajectory, PlotPlane plane) {
+  std::vector<Point2> points;
   points.reserve(trajectory.size());
   for (const TimedPose& pose : trajectory) {
     const Eigen::Vector3d& p = pose.T_wc.translation;
     if (!p.allFinite()) throw Error("cannot draw a trajectory with a position that is not finite");
-    points.emplace_back(p.x(), plane == PlotPlane::xz ? p.z() : p.y());
+    points.push_back({p.x(), plane == PlotPlane::xz ? p.z() : p.y()});
   }
   return points;
 }
 
 // The part of the world that is shown and where: metres to final pixels.
 struct PlotView {
-  cv::Size picture;
-  cv::Rect2d frame;  // the plot's frame, final pixels
-  cv::Point2d low;   // world position of the frame's lower left corner, metres
+  Size picture;
+  double left = 0.0, top = 0.0, width = 0.0, height = 0.0;  // of the plot's frame, final pixels
+  Point2 low;  // world position of the frame's lower left corner, metres
   double pixels_per_metre = 1.0;
 
-  cv::Point2d to_picture(const cv::Point2d& world) const {
-    return {frame.x + (world.x - low.x) * pixels_per_metre,
-            frame.y + frame.height - (world.y - low.y) * pixels_per_metre};
+  double right() const { return left + width; }
+  double bottom() const { return top + height; }
+  Point2 to_picture(const Point2& world) const {
+    return {left + (world.x - low.x) * pixels_per_metre, bottom() - (world.y - low.y) * pixels_per_metre};
   }
-  cv::Point2d high() const {
-    return {low.x + frame.width / pixels_per_metre, low.y + frame.height / pixels_per_metre};
-  }
+  Point2 high() const { return {low.x + width / pixels_per_metre, low.y + height / pixels_per_metre}; }
 };
 
-PlotView make_view(const std::vector<cv::Point2d>& estimate, const std::vector<cv::Point2d>& truth) {
-  cv::Point2d low = estimate.front(), high = low;
-  for (const std::vector<cv::Point2d>* points : {&estimate, &truth}) {
-    for (const cv::Point2d& point : *points) {
+PlotView make_view(const std::vector<Point2>& estimate, const std::vector<Point2>& truth) {
+  Point2 low = estimate.front(), high = low;
+  for (const std::vector<Point2>* points : {&estimate, &truth}) {
+    for (const Point2& point : *points) {
       low = {std::min(low.x, point.x), std::min(low.y, point.y)};
       high = {std::max(high.x, point.x), std::max(high.y, point.y)};
     }
   }
-  const cv::Point2d centre = 0.5 * (low + high);
+  const Point2 centre{0.5 * (low.x + high.x), 0.5 * (low.y + high.y)};
   const double border = 1.0 + 2.0 * kEmptyBorder;
   double width = (high.x - low.x) * border, height = (high.y - low.y) * border;
   const double span = std::max({width, height, kSmallestSpan});
@@ -72,19 +70,19 @@ PlotView make_view(const std::vector<cv::Point2d>& estimate, const std::vector<c
   };
   PlotView view;
   view.picture = {side(width, kMarginLeft + kMarginRight), side(height, kMarginTop + kMarginBottom)};
-  view.frame = cv::Rect2d(kMarginLeft, kMarginTop, view.picture.width - kMarginLeft - kMarginRight,
-                          view.picture.height - kMarginTop - kMarginBottom);
+  view.left = kMarginLeft;
+  view.top = kMarginTop;
+  view.width = view.picture.width - kMarginLeft - kMarginRight;
+  view.height = view.picture.height - kMarginTop - kMarginBottom;
   width = std::max(width, 1e-3 * span);
   height = std::max(height, 1e-3 * span);
-  view.pixels_per_metre =
-      std::min({view.frame.width / width, view.frame.height / height, view.frame.width / kSmallestSpan});
-  view.low = {centre.x - 0.5 * view.frame.width / view.pixels_per_metre,
-              centre.y - 0.5 * view.frame.height / view.pixels_per_metre};
+  view.pixels_per_metre = std::min({view.width / width, view.height / height, view.width / kSmallestSpan});
+  view.low = {centre.x - 0.5 * view.width / view.pixels_per_metre,
+              centre.y - 0.5 * view.height / view.pixels_per_metre};
   return view;
 }
 
-void draw_grid(cv::Mat& canvas, const PlotView& view, PlotPlane plane) {
-  const cv::Rect2d& frame = view.frame;
+void draw_grid(PlotCanvas& canvas, const PlotView& view, PlotPlane plane) {
   const double step = round_step(kLabelDistance / view.pixels_per_metre);
   const auto lines = [&](double low, double high, const auto& draw) {
     const double first = std::ceil(low / step) * step;
@@ -95,59 +93,55 @@ void draw_grid(cv::Mat& canvas, const PlotView& view, PlotPlane plane) {
   };
   lines(view.low.x, view.high().x, [&](double x, const std::string& label) {
     const double column = view.to_picture({x, view.low.y}).x;
-    cv::line(canvas, scaled({column, frame.y}), scaled({column, frame.br().y}), kGrid, 2, cv::LINE_AA);
-    draw_text(canvas, label, {column, frame.br().y + 26}, 12, Anchor::centre, kFaintInk);
+    canvas.line({column, view.top}, {column, view.bottom()}, 1.0, kGrid);
+    canvas.text(label, {column, view.bottom() + 26}, 12, Anchor::centre, kFaintInk);
   });
   lines(view.low.y, view.high().y, [&](double y, const std::string& label) {
     const double row = view.to_picture({view.low.x, y}).y;
-    cv::line(canvas, scaled({frame.x, row}), scaled({frame.br().x, row}), kGrid, 2, cv::LINE_AA);
-    draw_text(canvas, label, {frame.x - 12, row + 6}, 12, Anchor::right, kFaintInk);
+    canvas.line({view.left, row}, {view.right(), row}, 1.0, kGrid);
+    canvas.text(label, {view.left - 12, row + 6}, 12, Anchor::right, kFaintInk);
   });
-  cv::rectangle(canvas, scaled(frame.tl()), scaled(frame.br()), kFrame, 2);
-  draw_text(canvas, "x (m)", {frame.x + 0.5 * frame.width, frame.br().y + 60}, 14, Anchor::centre, kInk);
-  draw_text(canvas, plane == PlotPlane::xz ? "z (m)" : "y (m)", {frame.x - 12, frame.y - 12}, 14,
-            Anchor::right, kInk);
+  canvas.box({view.left, view.top}, {view.right(), view.bottom()}, kFrame, 1.0);
+  canvas.text("x (m)", {view.left + 0.5 * view.width, view.bottom() + 60}, 14, Anchor::centre, kInk);
+  canvas.text(plane == PlotPlane::xz ? "z (m)" : "y (m)", {view.left - 12, view.top - 12}, 14, Anchor::right,
+              kInk);
 }
 
-void draw_path(cv::Mat& canvas, const PlotView& view, const std::vector<cv::Point2d>& points,
-               const cv::Scalar& colour, int thickness) {
-  constexpr int kFractionBits = 4;
-  std::vector<cv::Point> polyline;
+void draw_path(PlotCanvas& canvas, const PlotView& view, const std::vector<Point2>& points, double width,
+               const Bgr& colour) {
+  std::vector<Point2> polyline;
   polyline.reserve(points.size());
-  for (const cv::Point2d& point : points) {
-    polyline.emplace_back(scaled(view.to_picture(point) * (1 << kFractionBits)));
-  }
-  cv::polylines(canvas, polyline, false, colour, thickness, cv::LINE_AA, kFractionBits);
+  for (const Point2& point : points) polyline.push_back(view.to_picture(point));
+  canvas.polyline(std::move(polyline), width, colour);
 }
 
 // Start is a disc and end a square; white rims keep them apart from the lines below.
-void draw_marker(cv::Mat& canvas, cv::Point2d position, bool is_start) {
-  constexpr int kRadius = 9 * kSupersampling, kRim = 3 * kSupersampling;
-  const cv::Point centre = scaled(position);
+void draw_marker(PlotCanvas& canvas, Point2 centre, bool is_start) {
+  constexpr double kRadius = 9.0, kRim = 3.0;
   if (is_start) {
-    cv::circle(canvas, centre, kRadius + kRim, kPaper, cv::FILLED, cv::LINE_AA);
-    cv::circle(canvas, centre, kRadius, kStartColour, cv::FILLED, cv::LINE_AA);
+    canvas.disc(centre, kRadius + kRim, kPaper);
+    canvas.disc(centre, kRadius, kStartColour);
     return;
   }
   for (const auto& [half, colour] :
-       {std::pair(kRadius + kRim - 2, kPaper), std::pair(kRadius - 2, kEndColour)}) {
-    cv::rectangle(canvas, centre - cv::Point(half, half), centre + cv::Point(half, half), colour, cv::FILLED);
+       {std::pair(kRadius + kRim - 1.0, kPaper), std::pair(kRadius - 1.0, kEndColour)}) {
+    canvas.box({centre.x - half, centre.y - half}, {centre.x + half, centre.y + half}, colour);
   }
 }
 
 // One row of samples and names that ends at the frame's right edge, above it.
-void draw_legend(cv::Mat& canvas, const PlotView& view, const std::string& estimate_name, bool has_truth) {
+void draw_legend(PlotCanvas& canvas, const PlotView& view, const std::string& estimate_name, bool has_truth) {
   constexpr double kHeight = 14, kSample = 44, kSpace = 10, kGap = 30;
-  const double row = view.frame.y - 18;
-  double x = view.frame.br().x;
+  const double row = view.top - 18;
+  double x = view.right();
   const auto name_entry = [&](const std::string& name, double sample) {
     x -= text_width(name, kHeight);
-    draw_text(canvas, name, {x, row}, kHeight, Anchor::left, kInk);
+    canvas.text(name, {x, row}, kHeight, Anchor::left, kInk);
     x -= kSpace + sample;
   };
-  const auto line_entry = [&](const std::string& name, const cv::Scalar& colour, int thickness) {
+  const auto line_entry = [&](const std::string& name, const Bgr& colour, double width) {
     name_entry(name, kSample);
-    cv::line(canvas, scaled({x, row - 6}), scaled({x + kSample, row - 6}), colour, thickness, cv::LINE_AA);
+    canvas.line({x, row - 6}, {x + kSample, row - 6}, width, colour);
     x -= kGap;
   };
   for (const bool is_start : {false, true}) {
@@ -155,35 +149,32 @@ void draw_legend(cv::Mat& canvas, const PlotView& view, const std::string& estim
     draw_marker(canvas, {x + 10, row - 6}, is_start);
     x -= kGap;
   }
-  line_entry(estimate_name, kEstimateColour, 3 * kSupersampling);
-  if (has_truth) line_entry("ground truth", kTruthColour, 6 * kSupersampling);
+  line_entry(estimate_name, kEstimateColour, 3.0);
+  if (has_truth) line_entry("ground truth", kTruthColour, 6.0);
 }
 
 }  // namespace
 
-cv::Mat draw_trajectories(const Trajectory& estimate, const Trajectory& ground_truth,
-                          const TrajectoryPlotOptions& options) {
+PlotCanvas draw_trajectories(const Trajectory& estimate, const Trajectory& ground_truth,
+                             const TrajectoryPlotOptions& options) {
   if (estimate.empty()) throw Error("cannot draw a trajectory without a pose");
-  const std::vector<cv::Point2d> path = project(estimate, options.plane);
-  const std::vector<cv::Point2d> truth = project(ground_truth, options.plane);
+  const std::vector<Point2> path = project(estimate, options.plane);
+  const std::vector<Point2> truth = project(ground_truth, options.plane);
   const PlotView view = make_view(path, truth);
-  cv::Mat canvas(view.picture * kSupersampling, CV_8UC3, kPaper);
+  PlotCanvas canvas(view.picture.width, view.picture.height);
 
   draw_grid(canvas, view, options.plane);
-  draw_path(canvas, view, truth, kTruthColour, 6 * kSupersampling);
-  draw_path(canvas, view, path, kEstimateColour, 3 * kSupersampling);
+  draw_path(canvas, view, truth, 6.0, kTruthColour);
+  draw_path(canvas, view, path, 3.0, kEstimateColour);
   draw_marker(canvas, view.to_picture(path.back()), false);
   draw_marker(canvas, view.to_picture(path.front()), true);
   draw_legend(canvas, view, options.estimate_name, !truth.empty());
   const std::string subtitle = options.subtitle.empty() ? fmt::format("top view, {} poses, {:.1f} m",
                                                                       estimate.size(), path_length(estimate))
                                                         : options.subtitle;
-  draw_text(canvas, options.title, {kMarginLeft, 48}, 22, Anchor::left, kInk, true);
-  draw_text(canvas, subtitle, {kMarginLeft, 80}, 14, Anchor::left, kFaintInk);
-
-  cv::Mat picture;
-  cv::resize(canvas, picture, view.picture, 0.0, 0.0, cv::INTER_AREA);
-  return picture;
+  canvas.text(options.title, {kMarginLeft, 48}, 22, Anchor::left, kInk, true);
+  canvas.text(subtitle, {kMarginLeft, 80}, 14, Anchor::left, kFaintInk);
+  return canvas;
 }
 
 }  // namespace penumbra::slam

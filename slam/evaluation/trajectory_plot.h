@@ -2,9 +2,9 @@
 // axes, a grid in metres, start and end marked.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <string>
 
+#include "slam/evaluation/plot_canvas.h"
 #include "slam/geometry/trajectory.h"
 
 namespace penumbra::slam {
@@ -16,15 +16,15 @@ enum class PlotPlane {
 };
 
 struct TrajectoryPlotOptions {
-  std::string title = "Trajectory";  // ASCII, as are the names: OpenCV draws nothing else
-  std::string subtitle;              // under the title; empty: number of poses and path length
+  std::string title = "Trajectory";
+  std::string subtitle;  // under the title; empty: number of poses and path length
   std::string estimate_name = "estimate";
   PlotPlane plane = PlotPlane::xz;
 };
 
-// An 8-bit BGR picture of 1000 to 1500 pixels a side. `ground_truth` may be empty; it must already be in the
+// A plot of 1000 to 1500 pixels a side. `ground_truth` may be empty; it must already be in the
 // estimate's world (alignment.h). Throws Error where `estimate` is empty or a position is not finite.
-cv::Mat draw_trajectories(const Trajectory& estimate, const Trajectory& ground_truth,
-                          const TrajectoryPlotOptions& options = {});
+PlotCanvas draw_trajectories(const Trajectory& estimate, const Trajectory& ground_truth,
+                             const TrajectoryPlotOptions& options = {});
 
 }  // namespace penumbra::slam

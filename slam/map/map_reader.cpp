@@ -104,7 +104,7 @@ SeenObject get_object(ByteReader& in) {
   const std::vector<char> name = in.get_array<char>(in.get_count(1, "class name"), "class name");
   object.class_name.assign(name.begin(), name.end());
   for (int i = 0; i < 3; ++i) object.position[i] = get_finite(in, "position of an object");
-  cv::Rect& r = object.region;
+  Rect& r = object.region;
   for (int* value : {&r.x, &r.y, &r.width, &r.height}) *value = in.get<std::int32_t>("region of an object");
   const char stands = in.get<char>("mark of what stands");
   constexpr int kFarthest = 1 << 20;  // pixels: sums of them are numbers

@@ -27,7 +27,7 @@ void put_object(ByteWriter& out, const SeenObject& object) {
   out.put(static_cast<std::uint32_t>(object.class_name.size()));
   out.put_array(std::span<const char>(object.class_name));
   for (int i = 0; i < 3; ++i) out.put(object.position[i]);
-  const cv::Rect& r = object.region;
+  const Rect& r = object.region;
   for (const std::int32_t value : {r.x, r.y, r.width, r.height}) out.put(value);
   out.put<char>(object.stands);
 }

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <opencv2/core/types.hpp>
 #include <string>
+
+#include "nn/image/image.h"
 
 namespace penumbra::slam {
 
@@ -11,7 +12,7 @@ struct SeenObject {
   int number = 0;                                      // of the object within the map
   std::string class_name;                              // empty: found by its motion alone
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // keyframe's camera frame, metres
-  cv::Rect region;                                     // around its mask, pixels of the left image
+  Rect region;                                         // around its mask, pixels of the left image
   bool stands = false;  // its class cannot move, or its motion was measured and it stood
 
   bool operator==(const SeenObject&) const = default;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <opencv2/core.hpp>
 #include <utility>
 
 #include "nn/base/quantile.h"
@@ -27,18 +26,26 @@ constexpr double kFarthestStereo = 500.0, kFarthestRgbd = 20.0;  // metres
 constexpr double kGreyDeviation = 3.0;  // grey levels; a picture with something in it has ten and more
 
 // Whether all pixels have the same grey, give or take noise.
-bool is_one_grey(const cv::Mat& image) {
-  cv::Scalar mean, deviation;
-  cv::meanStdDev(image, mean, deviation);
-  return *std::max_element(deviation.val, deviation.val + 3) < kGreyDeviation;
-}
-
-bool are_same(const cv::Mat& a, const cv::Mat& b) {
-  if (a.empty() || a.size() != b.size() || a.type() != b.type()) return false;
-  for (int y = 0; y < a.rows; ++y) {
-    if (std::memcmp(a.ptr(y), b.ptr(y), a.elemSize() * static_cast<std::size_t>(a.cols)) != 0) return false;
+bool is_one_grey(const ByteImage& image) {
+  const int channels = image.channels();
+  const auto count = static_cast<double>(image.elements()) / channels;
+  for (int c = 0; c < channels; ++c) {
+    std::uint64_t sum = 0, squares = 0;
+    for (std::size_t i = static_cast<std::size_t>(c); i < image.elements();
+         i += static_cast<std::size_t>(channels)) {
+      const std::uint64_t value = image.data()[i];
+      sum += value;
+      squares += value * value;
+    }
+    const double mean = static_cast<double>(sum) / count;
+    if (static_cast<double>(squares) / count - mean * mean >= kGreyDeviation * kGreyDeviation) return false;
   }
   return true;
+}
+
+bool are_same(const ByteImage& a, const ByteImage& b) {
+  return !a.empty() && a.size() == b.size() && a.channels() == b.channels() &&
+         std::memcmp(a.data(), b.data(), a.elements()) == 0;
 }
 
 const char* text_of(LostReason reason, Sensor sensor) {

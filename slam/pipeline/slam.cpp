@@ -3,13 +3,13 @@
 #include <cmath>
 #include <future>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <shared_mutex>
 
 #include "nn/base/error.h"
 #include "nn/base/quantile.h"
+#include "nn/image/grey.h"
+#include "nn/image/resize.h"
 #include "slam/frontend/features/depth_measurement.h"
-#include "slam/frontend/features/grey_image.h"
 
 namespace penumbra::slam {
 
@@ -26,38 +26,33 @@ const StereoCamera& checked(const StereoCamera& camera) {
   return camera;
 }
 
-void check_image(const cv::Mat& image, const StereoCamera& camera, int index, const char* side) {
-  if (image.cols == camera.width && image.rows == camera.height && image.depth() == CV_8U &&
+void check_image(const ByteImage& image, const StereoCamera& camera, int index, const char* side) {
+  if (image.width() == camera.width && image.height() == camera.height &&
       (image.channels() == 1 || image.channels() == 3)) {
     return;
   }
   throw InputError(fmt::format("frame {}, {} image", index, side),
                    fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
-                   fmt::format("{}x{} with {} channels, depth code {}", image.cols, image.rows,
-                               image.channels(), image.depth()));
+                   fmt::format("{}x{} with {} channels", image.width(), image.height(), image.channels()));
 }
 
-void check_depth(const cv::Mat& depth, const StereoCamera& camera, int index) {
-  if (depth.cols == camera.width && depth.rows == camera.height && depth.type() == CV_32FC1) return;
+void check_depth(const FloatImage& depth, const StereoCamera& camera, int index) {
+  if (depth.width() == camera.width && depth.height() == camera.height && depth.channels() == 1) return;
   throw InputError(fmt::format("frame {}, depth", index),
                    fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
-                   fmt::format("{}x{} of type {}", depth.cols, depth.rows, depth.type()));
+                   fmt::format("{}x{} with {} channels", depth.width(), depth.height(), depth.channels()));
 }
 
 // Colour of the image at each keypoint.
-std::vector<std::array<std::uint8_t, 3>> colours_at(const cv::Mat& image,
+std::vector<std::array<std::uint8_t, 3>> colours_at(const ByteImage& image,
                                                     const std::vector<Keypoint>& keypoints) {
   std::vector<std::array<std::uint8_t, 3>> colours;
   colours.reserve(keypoints.size());
   for (const Keypoint& k : keypoints) {
     const int x = static_cast<int>(std::lround(k.u)), y = static_cast<int>(std::lround(k.v));
-    if (image.channels() == 3) {
-      const cv::Vec3b c = image.at<cv::Vec3b>(y, x);
-      colours.push_back({c[0], c[1], c[2]});
-    } else {
-      const std::uint8_t grey = image.at<std::uint8_t>(y, x);
-      colours.push_back({grey, grey, grey});
-    }
+    const std::uint8_t* c = &image.at(x, y);
+    const int step = image.channels() == 3 ? 1 : 0;
+    colours.push_back({c[0], c[step], c[2 * step]});
   }
   return colours;
 }
@@ -75,13 +70,12 @@ double median_depth(const FrameFeatures& features) {
 std::vector<InstanceSighting> shrunk(std::vector<InstanceSighting> sightings) {
   constexpr double kLongestSide = 64.0;  // pixels
   for (InstanceSighting& seen : sightings) {
-    const double scale = kLongestSide / std::max(seen.mask.cols, seen.mask.rows);
+    const double scale = kLongestSide / std::max(seen.mask.width(), seen.mask.height());
     if (scale >= 1.0) continue;
-    const cv::Size size(std::max(1, cvRound(scale * seen.mask.cols)),
-                        std::max(1, cvRound(scale * seen.mask.rows)));
-    cv::Mat1b small;
-    cv::resize(seen.mask, small, size, 0, 0, cv::INTER_NEAREST);
-    seen.mask = small;
+    const auto side = [scale](int length) {
+      return std::max(1, static_cast<int>(std::lrint(scale * length)));
+    };
+    seen.mask = resize_nearest<std::uint8_t>(seen.mask, {side(seen.mask.width()), side(seen.mask.height())});
   }
   return sightings;
 }
@@ -159,7 +153,7 @@ FrameResult Slam::process_missing(int index, double timestamp) {
 }
 
 FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
-                          const cv::Mat& image) {
+                          const ByteImage& image) {
   FrameResult result;
   result.index = index;
   take_instances();
@@ -207,13 +201,13 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
 // Features of the left image, and where each would be seen from the right: by matching, or by its depth.
 std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   auto measured = std::make_shared<FrameFeatures>();
-  const cv::Mat left = to_grey(images.left);
+  const ByteImage left = to_grey(images.left);
   // What covers the view takes its share of the features: the rest of the street needs its own.
   constexpr double kMostFeatures = 2.5;
   const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
   StereoMatches stereo;
   if (sensor_ == Sensor::stereo) {
-    const cv::Mat right = to_grey(images.right);
+    const ByteImage right = to_grey(images.right);
     Features right_features;
     {
       const auto scope = timer_.measure("orb");

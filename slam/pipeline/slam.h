@@ -138,7 +138,7 @@ class Slam {
   };
 
   FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
-                      const cv::Mat& image);
+                      const ByteImage& image);
   std::shared_ptr<FrameFeatures> measure(const StereoImages& images);
   SE3 step_from_last(const Frame& frame) const;
   void take_instances();

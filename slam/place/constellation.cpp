@@ -92,9 +92,9 @@ bool is_missing(const StereoCamera& camera, const Constellation& image, const Ei
         pixel.y() <= camera.height)) {
     return false;
   }
-  const cv::Point at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
+  const int u = static_cast<int>(pixel.x()), v = static_cast<int>(pixel.y());
   return std::none_of(image.begin(), image.end(), [&](const SeenObject& object) {
-    const bool hides = object.region.contains(at) && object.position.z() < position.z();
+    const bool hides = object.region.contains(u, v) && object.position.z() < position.z();
     return hides || (object.position - position).norm() <= 2.0 * tolerance(object, settings);
   });
 }

@@ -49,9 +49,9 @@ Pairs match_by_looks(const KeyFrame& keyframe, const FrameFeatures& image,
 // Whether something that may have come since then stands in front of a point, `depth` metres from the camera.
 bool is_hidden(const Projection& projection, double depth, const Constellation& objects) {
   constexpr double kLength = 3.0;  // metres that an object reaches beyond its middle
-  const cv::Point pixel(static_cast<int>(projection.u), static_cast<int>(projection.v));
+  const int u = static_cast<int>(projection.u), v = static_cast<int>(projection.v);
   return std::any_of(objects.begin(), objects.end(), [&](const SeenObject& object) {
-    return !object.stands && object.region.contains(pixel) && depth > object.position.z() + kLength;
+    return !object.stands && object.region.contains(u, v) && depth > object.position.z() + kLength;
   });
 }
 

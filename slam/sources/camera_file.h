@@ -34,7 +34,7 @@ CameraFile read_camera_file(const std::filesystem::path& path);
 // Throws InputError as rectify_stereo and undistort do.
 struct RecordedCamera {
   StereoCamera camera;  // of the rectified images; size 0 where the file does not give it
-  ImageRemap left, right;
+  Remap left, right;
   Eigen::Matrix3d R_rectified_left = Eigen::Matrix3d::Identity();
 };
 RecordedCamera make_camera(const CameraFile& file);

@@ -17,19 +17,19 @@ constexpr std::size_t kLookedAt = 16;  // images
 // The highest level of images from all over the recording. Those that cannot be read are for the run to
 // report.
 int highest_level(std::span<const fs::path> images) {
-  double highest = 0.0;
+  int highest = 0;
   const std::size_t count = std::min(kLookedAt, images.size());
   for (std::size_t i = 0; i < count; ++i) {
     try {
-      const cv::Mat image = nn::read_stored_image(images[i * images.size() / count], nn::ImageColour::grey);
-      double level = 0.0;
-      cv::minMaxLoc(image, nullptr, &level);
-      if (image.depth() == CV_16U) highest = std::max(highest, level);
+      const WordImage words =
+          nn::read_stored_image(images[i * images.size() / count], nn::ImageColour::grey).words;
+      if (words.empty()) continue;
+      highest = std::max<int>(highest, *std::max_element(words.data(), words.data() + words.elements()));
     } catch (const InputError&) {
       continue;
     }
   }
-  return static_cast<int>(highest);
+  return highest;
 }
 
 int bits_for(int level) {
@@ -70,17 +70,16 @@ ImageLevels::ImageLevels(std::span<const fs::path> images, std::optional<int> bi
   }
 }
 
-cv::Mat ImageLevels::read(const fs::path& path, nn::ImageColour colour) const {
+ByteImage ImageLevels::read(const fs::path& path, nn::ImageColour colour) const {
   if (bits_ == 0 || bits_ == 16) return nn::read_image(path, colour);
-  const cv::Mat image = nn::read_stored_image(path, colour);
-  if (image.depth() != CV_16U) return image;
-  cv::Mat levels(image.size(), CV_8UC(image.channels()));
-  const int shift = bits_ - 8, row = image.cols * image.channels();
-  for (int y = 0; y < image.rows; ++y) {
-    const auto* from = image.ptr<std::uint16_t>(y);
-    auto* to = levels.ptr<std::uint8_t>(y);
-    for (int x = 0; x < row; ++x) to[x] = static_cast<std::uint8_t>(std::min(from[x] >> shift, 255));
-  }
+  const nn::StoredImage image = nn::read_stored_image(path, colour);
+  if (!image.is_wide()) return image.bytes;
+  const WordImage& words = image.words;
+  ByteImage levels(words.width(), words.height(), words.channels());
+  const int shift = bits_ - 8;
+  std::transform(words.data(), words.data() + words.elements(), levels.data(), [shift](std::uint16_t level) {
+    return static_cast<std::uint8_t>(std::min(level >> shift, 255));
+  });
   return levels;
 }
 

@@ -13,7 +13,6 @@
 #pragma once
 
 #include <filesystem>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,7 +34,7 @@ class ImageLevels {
   // Of 16-bit files, that are taken to be used.
   int bits() const { return bits_ == 0 ? 16 : bits_; }
   // As nn::read_image, with these levels.
-  cv::Mat read(const std::filesystem::path& path, nn::ImageColour colour) const;
+  ByteImage read(const std::filesystem::path& path, nn::ImageColour colour) const;
 
  private:
   int bits_ = 0;  // of 16-bit files; 0: the upper 8 of what the file says

@@ -40,9 +40,9 @@ class RecordedSequence final : public StereoDataset {
     look_at_images(readable, options);
     size_is_given_ = r_.camera.width > 0;
     if (!size_is_given_) {
-      const cv::Mat left = levels_.read(frame(readable).left, r_.colour);
-      r_.camera.width = left.cols;
-      r_.camera.height = left.rows;
+      const Size size = levels_.read(frame(readable).left, r_.colour).size();
+      r_.camera.width = size.width;
+      r_.camera.height = size.height;
     }
     for (std::string& text : check_camera(r_.camera)) r_.notes.push_back(std::move(text));
     check_rows(readable);
@@ -62,12 +62,15 @@ class RecordedSequence final : public StereoDataset {
     StereoImages images;
     images.index = f.index;
     images.timestamp = f.timestamp;
-    images.left = r_.left.apply(checked(levels_.read(f.left, r_.colour), f.left));
+    images.left = r_.left.linear(checked(levels_.read(f.left, r_.colour), f.left));
     if (r_.sensor == Sensor::stereo) {
-      images.right = r_.right.apply(checked(levels_.read(f.second, r_.colour), f.second));
+      images.right = r_.right.linear(checked(levels_.read(f.second, r_.colour), f.second));
     } else {
-      const cv::Mat levels = r_.left.apply_nearest(checked(nn::read_depth_image(f.second), f.second));
-      levels.convertTo(images.depth, CV_32F, 1.0 / r_.depth_factor);
+      const WordImage levels = r_.left.nearest(checked(nn::read_depth_image(f.second), f.second));
+      images.depth.create(levels.width(), levels.height());
+      const auto metres = static_cast<float>(1.0 / r_.depth_factor);  // a level
+      std::transform(levels.data(), levels.data() + levels.elements(), images.depth.data(),
+                     [metres](std::uint16_t level) { return static_cast<float>(level) * metres; });
     }
     return images;
   }
@@ -75,12 +78,13 @@ class RecordedSequence final : public StereoDataset {
  private:
   const RecordedFrame& frame(int i) const { return r_.frames[static_cast<std::size_t>(i)]; }
 
-  cv::Mat checked(cv::Mat image, const fs::path& path) const {
-    if (image.cols != r_.camera.width || image.rows != r_.camera.height) {
+  template <class T>
+  Image<T> checked(Image<T> image, const fs::path& path) const {
+    if (image.width() != r_.camera.width || image.height() != r_.camera.height) {
       throw InputError(path.string(),
                        fmt::format("{} x {} pixels as in {}", r_.camera.width, r_.camera.height,
                                    size_is_given_ ? "the calibration" : "the first left image"),
-                       fmt::format("{} x {}", image.cols, image.rows));
+                       fmt::format("{} x {}", image.width(), image.height()));
     }
     return image;
   }

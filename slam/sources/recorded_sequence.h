@@ -26,7 +26,7 @@ struct Recording {
   Sensor sensor = Sensor::stereo;
   std::vector<RecordedFrame> frames;  // all of the sequence
   StereoCamera camera;                // of the rectified images; width 0: as the first image
-  ImageRemap left, right;             // to rectified images
+  Remap left, right;                  // to rectified images
   nn::ImageColour colour = nn::ImageColour::grey;
   double depth_factor = 0.0;  // levels a metre (RGB-D)
   Trajectory ground_truth;    // T_wc of the left rectified camera, at any times; empty: none

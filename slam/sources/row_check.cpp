@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
+#include "nn/image/grey.h"
 #include "slam/frontend/features/descriptor_matcher.h"
 #include "slam/frontend/features/orb_extractor.h"
 
@@ -15,13 +15,6 @@ constexpr int kFeatures = 1000;             // of an image
 constexpr std::size_t kFewestMatches = 50;  // that tell anything
 constexpr float kSameRow = 2.0F;  // pixels: what stereo matching allows a feature of the finest level
 
-cv::Mat grey(const cv::Mat& image) {
-  if (image.channels() == 1) return image;
-  cv::Mat converted;
-  cv::cvtColor(image, converted, cv::COLOR_BGR2GRAY);
-  return converted;
-}
-
 double median(std::vector<float> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -30,13 +23,13 @@ double median(std::vector<float> values) {
 
 }  // namespace
 
-void RowOffsets::add(const cv::Mat& left, const cv::Mat& right) {
+void RowOffsets::add(const ByteImage& left, const ByteImage& right) {
   OrbSettings settings;
   settings.features = kFeatures;
   OrbExtractor orb(settings);
   Features in_left, in_right;
-  orb.extract(grey(left), in_left);
-  orb.extract(grey(right), in_right);
+  orb.extract(to_grey(left), in_left);
+  orb.extract(to_grey(right), in_right);
   for (const Match& match : match_descriptors(in_left.descriptors, in_right.descriptors, {})) {
     offsets.push_back(in_right.keypoints[static_cast<std::size_t>(match.feature)].v -
                       in_left.keypoints[static_cast<std::size_t>(match.source)].v);

@@ -6,9 +6,10 @@
 // camera.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
+
+#include "nn/image/image.h"
 
 namespace penumbra::slam {
 
@@ -16,7 +17,7 @@ struct RowOffsets {
   std::vector<float> offsets;  // pixels: row in the right image less that in the left one, of every match
 
   // Adds the matches of a pair of 8-bit images, grey or BGR. Cost: about 50 ms.
-  void add(const cv::Mat& left, const cv::Mat& right);
+  void add(const ByteImage& left, const ByteImage& right);
   // Whether there are enough matches to tell anything.
   bool is_enough() const;
 

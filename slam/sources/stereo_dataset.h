@@ -1,11 +1,11 @@
 // A recorded stereo or RGB-D sequence, read frame by frame. Readers: see open_dataset.h.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/geometry/trajectory.h"
 
@@ -18,8 +18,8 @@ enum class Sensor { stereo, rgbd };
 struct StereoImages {
   int index = 0;           // frame number in the sequence
   double timestamp = 0.0;  // seconds
-  cv::Mat left, right;     // 8-bit, grey (1 channel) or BGR (3 channels), of the camera's size
-  cv::Mat depth;           // instead of `right`: CV_32F, metres along z, 0 where unknown
+  ByteImage left, right;   // grey (1 channel) or BGR (3 channels), of the camera's size
+  FloatImage depth;        // instead of `right`: metres along z, 0 where unknown
 };
 
 class StereoDataset {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "slam/world/noise.h"
 
@@ -41,21 +42,24 @@ float gaussian_noise(std::uint32_t hash) {
   return (sum - 510.0F) * (1.0F / 147.8F);
 }
 
-void add_glare(cv::Mat3f& radiance, const StereoCamera& camera, const Eigen::Vector3f& to_sun,
+void add_glare(Image<Colour>& radiance, const StereoCamera& camera, const Eigen::Vector3f& to_sun,
                const Colour& sun_colour, float strength, std::uint32_t seed) {
-  const cv::Scalar mean = cv::mean(radiance);
-  const auto veil = static_cast<float>(0.5 * static_cast<double>(strength) * mean[1]);
-  radiance += cv::Scalar::all(static_cast<double>(veil));
+  const std::span<Colour> lights(radiance.data(), radiance.elements());
+  double green = 0.0;
+  for (const Colour& light : lights) green += static_cast<double>(light.y());
+  const double mean = green / static_cast<double>(lights.size());
+  const auto veil = static_cast<float>(0.5 * static_cast<double>(strength) * mean);
+  for (Colour& light : lights) light += Colour::Constant(veil);
   // Light that falls off from the middle of a disc to its rim.
   const auto add_disc = [&](float u, float v, float radius, const Colour& light) {
     const int top = std::max(0, floor_int(v - radius)), left = std::max(0, floor_int(u - radius));
-    const int bottom = std::min(radiance.rows - 1, floor_int(v + radius) + 1);
-    const int right = std::min(radiance.cols - 1, floor_int(u + radius) + 1);
+    const int bottom = std::min(radiance.height() - 1, floor_int(v + radius) + 1);
+    const int right = std::min(radiance.width() - 1, floor_int(u + radius) + 1);
     for (int row = top; row <= bottom; ++row) {
       for (int column = left; column <= right; ++column) {
         const float distance = std::hypot(static_cast<float>(column) - u, static_cast<float>(row) - v);
         const Colour added = light * (1.0F - smooth_step(0.8F * radius, radius, distance));
-        radiance(row, column) += cv::Vec3f(added.x(), added.y(), added.z());
+        radiance.at(column, row) += added;
       }
     }
   };
@@ -79,14 +83,14 @@ void add_glare(cv::Mat3f& radiance, const StereoCamera& camera, const Eigen::Vec
   }
 }
 
-float automatic_exposure(const cv::Mat3f& radiance, double time, float change, std::uint32_t seed) {
+float automatic_exposure(const Image<Colour>& radiance, double time, float change, std::uint32_t seed) {
   constexpr int kStep = 4;  // every fourth pixel each way is enough for a mean
   constexpr float kMiddle = 0.32F, kStrength = 0.8F;
   double sum = 0.0;
   int count = 0;
-  for (int row = 0; row < radiance.rows; row += kStep) {
-    for (int column = 0; column < radiance.cols; column += kStep) {
-      sum += std::min(static_cast<double>(radiance(row, column)[1]), 1.0);
+  for (int row = 0; row < radiance.height(); row += kStep) {
+    for (int column = 0; column < radiance.width(); column += kStep) {
+      sum += std::min(static_cast<double>(radiance.at(column, row)[1]), 1.0);
       ++count;
     }
   }
@@ -95,32 +99,32 @@ float automatic_exposure(const cv::Mat3f& radiance, double time, float change, s
   return std::pow(kMiddle / mean, kStrength) * hunting;
 }
 
-void develop_grey(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat1b& grey) {
-  grey.create(radiance.size());
+void develop_grey(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& grey) {
+  grey.create(radiance.width(), radiance.height());
 #pragma omp parallel for schedule(static)
-  for (int row = 0; row < radiance.rows; ++row) {
-    for (int column = 0; column < radiance.cols; ++column) {
-      const cv::Vec3f& light = radiance(row, column);
-      const auto pixel = static_cast<std::uint32_t>(row * radiance.cols + column);
+  for (int row = 0; row < radiance.height(); ++row) {
+    for (int column = 0; column < radiance.width(); ++column) {
+      const Colour& light = radiance.at(column, row);
+      const auto pixel = static_cast<std::uint32_t>(row * radiance.width() + column);
       const float noise =
           settings.noise * gaussian_noise(mix_bits(pixel * 0x9e3779b1U + settings.noise_seed));
       const float sum = 0.299F * light[0] + 0.587F * light[1] + 0.114F * light[2];
-      grey(row, column) = level(sum * settings.exposure, noise);
+      grey.at(column, row) = level(sum * settings.exposure, noise);
     }
   }
 }
 
-void develop_bgr(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat3b& bgr) {
-  bgr.create(radiance.size());
+void develop_bgr(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& bgr) {
+  bgr.create(radiance.width(), radiance.height(), 3);
 #pragma omp parallel for schedule(static)
-  for (int row = 0; row < radiance.rows; ++row) {
-    for (int column = 0; column < radiance.cols; ++column) {
-      const cv::Vec3f& light = radiance(row, column);
-      const auto pixel = static_cast<std::uint32_t>(row * radiance.cols + column);
+  for (int row = 0; row < radiance.height(); ++row) {
+    for (int column = 0; column < radiance.width(); ++column) {
+      const Colour& light = radiance.at(column, row);
+      const auto pixel = static_cast<std::uint32_t>(row * radiance.width() + column);
       for (int channel = 0; channel < 3; ++channel) {
         const std::uint32_t h = mix_bits(pixel * 0x9e3779b1U + settings.noise_seed +
                                          static_cast<std::uint32_t>(channel) * 0x632be5abU);
-        bgr(row, column)[2 - channel] =
+        bgr.at(column, row, 2 - channel) =
             level(light[channel] * settings.exposure, settings.noise * gaussian_noise(h));
       }
     }

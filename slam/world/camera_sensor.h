@@ -10,8 +10,8 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core.hpp>
 
+#include "nn/image/image.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/world/world.h"
 
@@ -28,16 +28,16 @@ float gaussian_noise(std::uint32_t hash);
 
 // Adds glare of `strength` 0..1. `to_sun` is the sun's direction in the camera's frame; ghosts appear where
 // it is within 75 degrees of the optical axis.
-void add_glare(cv::Mat3f& radiance, const StereoCamera& camera, const Eigen::Vector3f& to_sun,
+void add_glare(Image<Colour>& radiance, const StereoCamera& camera, const Eigen::Vector3f& to_sun,
                const Colour& sun_colour, float strength, std::uint32_t seed);
 
 // What an automatic exposure makes of a view: it brings the mean light towards a middle grey, though not all
 // the way, and hunts slowly by about +-`change` around it at `time` seconds. Both cameras of a pair share the
 // left's.
-float automatic_exposure(const cv::Mat3f& radiance, double time, float change, std::uint32_t seed);
+float automatic_exposure(const Image<Colour>& radiance, double time, float change, std::uint32_t seed);
 
 // `radiance` is linear red, green, blue. The results are allocated where needed.
-void develop_grey(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat1b& grey);
-void develop_bgr(const cv::Mat3f& radiance, const SensorSettings& settings, cv::Mat3b& bgr);
+void develop_grey(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& grey);
+void develop_bgr(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& bgr);
 
 }  // namespace penumbra::slam::synthetic

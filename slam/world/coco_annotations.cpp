@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 Json box_of(const nn::Mask& mask) { return {mask.x, mask.y, mask.width, mask.height}; }
 
-Json runs_of(const nn::Mask& mask, const cv::Size& size) {
+Json runs_of(const nn::Mask& mask, const Size& size) {
   return {{"size", {size.height, size.width}},
           {"counts", nn::encode_runs(nn::mask_runs(mask, size.width, size.height))}};
 }

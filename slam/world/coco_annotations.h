@@ -12,10 +12,10 @@
 // no other way to say so: its evaluation takes only `iscrowd` for "ignore", which means something else.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "slam/world/instance_masks.h"
 
 namespace penumbra::slam::synthetic {
@@ -24,14 +24,14 @@ constexpr int kMinVisiblePixels = 20;
 
 class CocoWriter {
  public:
-  explicit CocoWriter(const cv::Size& size) : size_(size) {}
+  explicit CocoWriter(const Size& size) : size_(size) {}
 
   void add(const std::string& file_name, const std::vector<InstanceMasks>& instances);
   // The whole file. About 700 bytes an annotation.
   std::string finish() const;
 
  private:
-  cv::Size size_;
+  Size size_;
   int images_ = 0, annotations_ = 0;
   std::string image_text_, annotation_text_;
 };

@@ -11,8 +11,8 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core.hpp>
 
+#include "nn/image/image.h"
 #include "slam/world/ray_caster.h"
 
 namespace penumbra::slam::synthetic {
@@ -22,6 +22,6 @@ constexpr float kNearestSensed = 0.4F, kFarthestSensed = 12.0F;  // metres
 constexpr double kProjectorBaseline = 0.075;                     // metres
 
 // `view` must have its reflectance. The result is in metres, 0 = hole, allocated where needed.
-void sense_depth(const RenderedView& view, const StereoCamera& camera, std::uint32_t seed, cv::Mat1f& depth);
+void sense_depth(const RenderedView& view, const StereoCamera& camera, std::uint32_t seed, FloatImage& depth);
 
 }  // namespace penumbra::slam::synthetic

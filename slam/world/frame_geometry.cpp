@@ -48,7 +48,7 @@ void FrameGeometry::prepare(const World& world, const StereoCamera& camera, cons
   tile_shadows_.resize(static_cast<std::size_t>(tiles()));
   for (auto& list : tile_bodies_) list.clear();
   for (auto& list : tile_shadows_) list.clear();
-  const auto bin = [&](const cv::Rect& pixels, int number, std::vector<std::vector<int>>& lists) {
+  const auto bin = [&](const Rect& pixels, int number, std::vector<std::vector<int>>& lists) {
     if (pixels.empty()) return;
     for (int ty = pixels.y / kTileHeight; ty <= (pixels.y + pixels.height - 1) / kTileHeight; ++ty) {
       for (int tx = pixels.x / kTileWidth; tx <= (pixels.x + pixels.width - 1) / kTileWidth; ++tx) {
@@ -61,14 +61,13 @@ void FrameGeometry::prepare(const World& world, const StereoCamera& camera, cons
     bin(objects_[i].shadow, static_cast<int>(i), tile_shadows_);
 }
 
-cv::Rect FrameGeometry::tile_pixels(int tile) const {
-  const cv::Rect pixels((tile % tiles_x_) * kTileWidth, (tile / tiles_x_) * kTileHeight, kTileWidth,
-                        kTileHeight);
-  return pixels & cv::Rect(0, 0, camera_.width, camera_.height);
+Rect FrameGeometry::tile_pixels(int tile) const {
+  const Rect pixels{(tile % tiles_x_) * kTileWidth, (tile / tiles_x_) * kTileHeight, kTileWidth, kTileHeight};
+  return intersection(pixels, {0, 0, camera_.width, camera_.height});
 }
 
 // Pixels that the convex hull of `corners` (camera frame) may touch, with a border for sub-pixel samples.
-cv::Rect FrameGeometry::project_hull(const Eigen::Vector3f* corners, int count) const {
+Rect FrameGeometry::project_hull(const Eigen::Vector3f* corners, int count) const {
   float left = 1e9F, right = -1e9F, top = 1e9F, bottom = -1e9F;
   const auto add = [&](const Eigen::Vector3f& p) {
     const float u = static_cast<float>(camera_.fx) * p.x() / p.z() + static_cast<float>(camera_.cx);
@@ -98,8 +97,7 @@ cv::Rect FrameGeometry::project_hull(const Eigen::Vector3f* corners, int count) 
   const int y0 = std::max(0, static_cast<int>(std::floor(std::max(top, -10.0F))) - 1);
   const int x1 = static_cast<int>(std::ceil(std::min(right, static_cast<float>(camera_.width - 2)))) + 1;
   const int y1 = static_cast<int>(std::ceil(std::min(bottom, static_cast<float>(camera_.height - 2)))) + 1;
-  return cv::Rect(cv::Point(x0, y0), cv::Point(x1 + 1, y1 + 1)) &
-         cv::Rect(0, 0, camera_.width, camera_.height);
+  return intersection({x0, y0, x1 + 1 - x0, y1 + 1 - y0}, {0, 0, camera_.width, camera_.height});
 }
 
 void FrameGeometry::place(int object_number, double time) {
@@ -217,10 +215,10 @@ void FrameGeometry::cast_alone(int number, RayBatch& batch, int count) const {
   }
 }
 
-cv::Rect FrameGeometry::pixels_of(int number) const {
-  cv::Rect pixels;
+Rect FrameGeometry::pixels_of(int number) const {
+  Rect pixels;
   for (const int b : object_bodies_[static_cast<std::size_t>(number)]) {
-    pixels |= bodies_[static_cast<std::size_t>(b)].pixels;
+    pixels = bounding(pixels, bodies_[static_cast<std::size_t>(b)].pixels);
   }
   return pixels;
 }

@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <opencv2/core.hpp>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/world/world.h"
@@ -23,13 +23,13 @@ struct FrameObject {
   Eigen::Matrix3f local_from_camera;
   Eigen::Vector3f camera_in_local;
   Eigen::Vector3f sun_in_local;
-  cv::Rect shadow;  // pixels that may show its shadow on the ground; empty where it casts none
+  Rect shadow;  // pixels that may show its shadow on the ground; empty where it casts none
 };
 
 struct FrameBody {
   int body = 0, frame_object = 0;
   float nearest = 0.0F;  // lower bound of its depth, metres
-  cv::Rect pixels;       // where it may be seen
+  Rect pixels;           // where it may be seen
   // Half-space i: value[i] + normal[i] . (x, y, 1) t <= 0.
   std::array<Eigen::Vector3f, Body::kMaxPlanes> normal;
   std::array<float, Body::kMaxPlanes> value;
@@ -60,11 +60,11 @@ class FrameGeometry {
   // rays lie within one row and run from left to right.
   void cast_alone(int number, RayBatch& batch, int count) const;
   // Pixels outside of which cast_alone finds nothing.
-  cv::Rect pixels_of(int number) const;
+  Rect pixels_of(int number) const;
 
   int tiles_x() const { return tiles_x_; }
   int tiles() const { return tiles_x_ * tiles_y_; }
-  cv::Rect tile_pixels(int tile) const;
+  Rect tile_pixels(int tile) const;
   const World& world() const { return *world_; }
   const FrameBody& body(std::int32_t surface) const {
     return bodies_[static_cast<std::size_t>(surface >> 4)];
@@ -87,7 +87,7 @@ class FrameGeometry {
   void cast_body(const FrameBody& body, std::int32_t number, RayBatch& batch, int begin, int end) const;
   void punch_holes(const FrameBody& body, RayBatch& batch, const float* before,
                    const std::int32_t* surface_before, std::int32_t number, int begin, int end) const;
-  cv::Rect project_hull(const Eigen::Vector3f* corners, int count) const;
+  Rect project_hull(const Eigen::Vector3f* corners, int count) const;
 
   const World* world_ = nullptr;
   StereoCamera camera_;

@@ -7,12 +7,12 @@ namespace penumbra::slam::synthetic {
 namespace {
 
 // The part of `mask` inside its smallest rectangle, at an offset of (x, y) in the image.
-nn::Mask cropped(const cv::Mat1b& mask, int x, int y, int& area) {
-  int left = mask.cols, right = -1, top = mask.rows, bottom = -1;
+nn::Mask cropped(const ByteImage& mask, int x, int y, int& area) {
+  int left = mask.width(), right = -1, top = mask.height(), bottom = -1;
   area = 0;
-  for (int row = 0; row < mask.rows; ++row) {
-    const std::uint8_t* bits = mask[row];
-    for (int column = 0; column < mask.cols; ++column) {
+  for (int row = 0; row < mask.height(); ++row) {
+    const std::uint8_t* bits = mask.row(row);
+    for (int column = 0; column < mask.width(); ++column) {
       if (bits[column] == 0) continue;
       ++area;
       left = std::min(left, column);
@@ -25,7 +25,7 @@ nn::Mask cropped(const cv::Mat1b& mask, int x, int y, int& area) {
   if (area == 0) return result;
   result = {x + left, y + top, right - left + 1, bottom - top + 1, {}};
   for (int row = top; row <= bottom; ++row) {
-    result.bits.insert(result.bits.end(), mask[row] + left, mask[row] + right + 1);
+    result.bits.insert(result.bits.end(), mask.row(row) + left, mask.row(row) + right + 1);
   }
   return result;
 }
@@ -34,8 +34,8 @@ InstanceMasks masks_of(const FrameGeometry& geometry, int number, const Rendered
   const FrameObject& placed = geometry.frame_object(number);
   const Object& object = geometry.world().objects[static_cast<std::size_t>(placed.object)];
   const StereoCamera& camera = geometry.camera();
-  const cv::Rect pixels = geometry.pixels_of(number);
-  cv::Mat1b whole(pixels.size()), visible(pixels.size());
+  const Rect pixels = geometry.pixels_of(number);
+  ByteImage whole(pixels.width, pixels.height), visible(pixels.width, pixels.height);
   RayBatch batch;
   for (int row = 0; row < pixels.height; ++row) {
     for (int from = 0; from < pixels.width; from += kTileWidth) {
@@ -47,9 +47,9 @@ InstanceMasks masks_of(const FrameGeometry& geometry, int number, const Rendered
       geometry.cast_alone(number, batch, count);
       for (int i = 0; i < count; ++i) {
         const bool hit = batch.surface[i] != kSky;
-        const bool seen = hit && view.instance(pixels.y + row, pixels.x + from + i) == object.instance;
-        whole(row, from + i) = hit ? 1 : 0;
-        visible(row, from + i) = seen ? 1 : 0;
+        const bool seen = hit && view.instance.at(pixels.x + from + i, pixels.y + row) == object.instance;
+        whole.at(from + i, row) = hit ? 1 : 0;
+        visible.at(from + i, row) = seen ? 1 : 0;
       }
     }
   }

@@ -4,7 +4,6 @@
 // cast alone within its own rectangle, which costs about as many rays as the objects' rectangles have pixels.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <vector>
 
 #include "nn/layers/mask_paste.h"

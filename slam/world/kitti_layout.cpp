@@ -71,7 +71,7 @@ void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool o
   struct Output {
     std::string name;
     bool wanted;
-    std::function<cv::Mat()> image;
+    std::function<AnyImage()> image;
   };
   StreetFrame frame;
   const Output outputs[] = {

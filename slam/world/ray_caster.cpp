@@ -10,11 +10,11 @@ namespace penumbra::slam::synthetic {
 void RayCaster::render(const StereoCamera& camera, const SE3& T_wc, double time, RenderedView& view) {
   geometry_.prepare(world_, camera, T_wc, time);
   pixel_ = static_cast<float>(1.0 / camera.fx);
-  view.radiance.create(camera.height, camera.width);
-  view.depth.create(camera.height, camera.width);
-  view.instance.create(camera.height, camera.width);
-  surfaces_.create(camera.height, camera.width);
-  if (view.wants_reflectance) view.reflectance.create(camera.height, camera.width);
+  view.radiance.create(camera.width, camera.height);
+  view.depth.create(camera.width, camera.height);
+  view.instance.create(camera.width, camera.height);
+  surfaces_.create(camera.width, camera.height);
+  if (view.wants_reflectance) view.reflectance.create(camera.width, camera.height);
   const int tiles = geometry_.tiles();
 #pragma omp parallel
   {
@@ -27,7 +27,7 @@ void RayCaster::render(const StereoCamera& camera, const SE3& T_wc, double time,
 
 void RayCaster::find_surfaces(int tile, RenderedView& view) {
   const StereoCamera& camera = geometry_.camera();
-  const cv::Rect pixels = geometry_.tile_pixels(tile);
+  const Rect pixels = geometry_.tile_pixels(tile);
   RayBatch batch;
   for (int row = pixels.y; row < pixels.y + pixels.height; ++row) {
     const float y = static_cast<float>((row - camera.cy) / camera.fy);
@@ -39,9 +39,9 @@ void RayCaster::find_surfaces(int tile, RenderedView& view) {
     for (int i = 0; i < pixels.width; ++i) {
       const int column = pixels.x + i;
       const std::int32_t surface = batch.surface[i];
-      surfaces_(row, column) = surface;
-      view.depth(row, column) = surface == kSky ? 0.0F : batch.depth[i];
-      view.instance(row, column) =
+      surfaces_.at(column, row) = surface;
+      view.depth.at(column, row) = surface == kSky ? 0.0F : batch.depth[i];
+      view.instance.at(column, row) =
           surface < 0
               ? std::uint16_t{0}
               : world_.objects[static_cast<std::size_t>(geometry_.object(geometry_.body(surface)).object)]
@@ -52,10 +52,10 @@ void RayCaster::find_surfaces(int tile, RenderedView& view) {
 
 // Whether a neighbour shows another surface. The crowns of one tree count as one.
 bool RayCaster::is_edge(int column, int row) const {
-  const std::int32_t here = surfaces_(row, column);
+  const std::int32_t here = surfaces_.at(column, row);
   const auto same = [&](int c, int r) {
-    if (c < 0 || r < 0 || c >= surfaces_.cols || r >= surfaces_.rows) return true;
-    const std::int32_t there = surfaces_(r, c);
+    if (c < 0 || r < 0 || c >= surfaces_.width() || r >= surfaces_.height()) return true;
+    const std::int32_t there = surfaces_.at(c, r);
     if (there == here) return true;
     if (there < 0 || here < 0) return false;
     const FrameBody& a = geometry_.body(here);
@@ -68,16 +68,16 @@ bool RayCaster::is_edge(int column, int row) const {
 
 void RayCaster::colour(int tile, RenderedView& view) const {
   const StereoCamera& camera = geometry_.camera();
-  const cv::Rect pixels = geometry_.tile_pixels(tile);
+  const Rect pixels = geometry_.tile_pixels(tile);
   RayBatch samples;
   for (int row = pixels.y; row < pixels.y + pixels.height; ++row) {
     for (int column = pixels.x; column < pixels.x + pixels.width; ++column) {
       Colour sum = Colour::Zero();
-      cv::Vec2f* reflectance = view.wants_reflectance ? &view.reflectance(row, column) : nullptr;
+      Reflectance* reflectance = view.wants_reflectance ? &view.reflectance.at(column, row) : nullptr;
       if (!is_edge(column, row)) {
         const float x = static_cast<float>((column - camera.cx) / camera.fx);
         const float y = static_cast<float>((row - camera.cy) / camera.fy);
-        sum = shade(x, y, view.depth(row, column), surfaces_(row, column), tile, reflectance);
+        sum = shade(x, y, view.depth.at(column, row), surfaces_.at(column, row), tile, reflectance);
       } else {
         constexpr int kSamples = 4;
         constexpr double kOffsets[kSamples][2] = {
@@ -98,7 +98,7 @@ void RayCaster::colour(int tile, RenderedView& view) const {
                  (static_cast<float>(weight) / kSamples);
         }
       }
-      view.radiance(row, column) = {sum.x(), sum.y(), sum.z()};
+      view.radiance.at(column, row) = sum;
     }
   }
 }
@@ -149,7 +149,7 @@ float RayCaster::ground_light(const Eigen::Vector3f& camera_point, int tile, flo
 }
 
 Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int tile,
-                        cv::Vec2f* reflectance) const {
+                        Reflectance* reflectance) const {
   const Eigen::Vector3f ray(x, y, 1.0F);
   const float ray_length = ray.norm();
   const Eigen::Matrix3f& world_from_camera = geometry_.world_from_camera();

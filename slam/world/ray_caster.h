@@ -6,18 +6,22 @@
 // No pixel depends on the order of the work, so the bytes are the same for any number of threads.
 #pragma once
 
-#include <opencv2/core.hpp>
+#include <array>
 
+#include "nn/image/image.h"
 #include "slam/world/frame_geometry.h"
 
 namespace penumbra::slam::synthetic {
 
+// Grey albedo and share of light that is mirrored.
+using Reflectance = std::array<float, 2>;
+
 struct RenderedView {
-  cv::Mat3f radiance;  // linear red, green, blue
-  cv::Mat1f depth;     // metres along the optical axis; 0 = sky
-  cv::Mat1w instance;  // Object::instance, 0 = background
+  Image<Colour> radiance;  // linear red, green, blue
+  FloatImage depth;        // metres along the optical axis; 0 = sky
+  WordImage instance;      // Object::instance, 0 = background
   bool wants_reflectance = false;
-  cv::Mat2f reflectance;  // grey albedo and share of light that is mirrored; where wants_reflectance
+  Image<Reflectance> reflectance;  // where wants_reflectance
 };
 
 class RayCaster {
@@ -35,12 +39,12 @@ class RayCaster {
   void colour(int tile, RenderedView& view) const;
   bool is_edge(int column, int row) const;
   // `reflectance` may be null.
-  Colour shade(float x, float y, float depth, std::int32_t surface, int tile, cv::Vec2f* reflectance) const;
+  Colour shade(float x, float y, float depth, std::int32_t surface, int tile, Reflectance* reflectance) const;
   float ground_light(const Eigen::Vector3f& camera_point, int tile, float& ambient) const;
 
   const World& world_;
   FrameGeometry geometry_;
-  cv::Mat1i surfaces_;
+  Image<std::int32_t> surfaces_;
   float pixel_ = 0.0F;  // size of a pixel at depth 1
 };
 

@@ -61,8 +61,8 @@ ImageWriter::~ImageWriter() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void ImageWriter::write(fs::path path, const cv::Mat& image) {
-  Job job{std::move(path), image.clone()};
+void ImageWriter::write(fs::path path, const AnyImage& image) {
+  Job job{std::move(path), std::visit([](const auto& own) { return AnyImage(own.clone()); }, image)};
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return jobs_.size() < kPendingImages || failure_; });
   if (failure_) std::rethrow_exception(failure_);
@@ -87,7 +87,7 @@ void ImageWriter::work() {
     lock.unlock();
     std::exception_ptr failure;
     try {
-      nn::write_image(job.path, job.image);
+      std::visit([&](const auto& image) { nn::write_image(job.path, image.view()); }, job.image);
     } catch (...) {
       failure = std::current_exception();
     }

@@ -6,11 +6,12 @@
 #include <exception>
 #include <filesystem>
 #include <mutex>
-#include <opencv2/core.hpp>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
+#include "nn/image/image.h"
 #include "slam/world/world.h"
 
 namespace penumbra::slam::synthetic {
@@ -24,6 +25,8 @@ void make_folder(const std::filesystem::path& folder);
 // {"17": {"class": "car", "moving": false}, ...}
 void write_instance_list(const std::filesystem::path& path, const World& world);
 
+using AnyImage = std::variant<ByteImage, WordImage>;
+
 // Encodes and writes PNG files on threads of its own while the caller renders the next frame.
 class ImageWriter {
  public:
@@ -33,14 +36,14 @@ class ImageWriter {
   ImageWriter& operator=(const ImageWriter&) = delete;
 
   // Takes a copy of `image`. Waits while many images are pending; throws the Error of an earlier failure.
-  void write(std::filesystem::path path, const cv::Mat& image);
+  void write(std::filesystem::path path, const AnyImage& image);
   // Waits until all is written; throws the first failure.
   void finish();
 
  private:
   struct Job {
     std::filesystem::path path;
-    cv::Mat image;
+    AnyImage image;
   };
   void work();
 

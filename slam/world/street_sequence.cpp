@@ -41,6 +41,11 @@ Drive drive_of(const SequenceSettings& settings) {
   return make_drive(settings.path, settings.frames == 0 ? kDefaultFrames : settings.frames);
 }
 
+// sum += share * light, of images of the same size.
+void add_share(const Image<Colour>& light, float share, Image<Colour>& sum) {
+  for (std::size_t i = 0; i < sum.elements(); ++i) sum.data()[i] += share * light.data()[i];
+}
+
 SE3 right_of(SE3 T_wc, const StereoCamera& camera) {
   T_wc.translation += camera.baseline * T_wc.rotation.col(0);
   return T_wc;
@@ -48,7 +53,7 @@ SE3 right_of(SE3 T_wc, const StereoCamera& camera) {
 
 }  // namespace
 
-StereoCamera street_camera(const cv::Size& size) {
+StereoCamera street_camera(const Size& size) {
   StereoCamera camera;
   camera.width = size.width;
   camera.height = size.height;
@@ -83,16 +88,16 @@ SE3 StreetSequence::pose_at_time(double time) const {
 void StreetSequence::blur(int i, StreetFrame& frame) {
   constexpr int kSamples = 6;
   const double time = drive_.poses[static_cast<std::size_t>(i)].timestamp;
-  frame.left.radiance.setTo(0.0);
-  if (settings_.sensor == Sensor::stereo) frame.right.radiance.setTo(0.0);
+  frame.left.radiance.fill(Colour::Zero());
+  if (settings_.sensor == Sensor::stereo) frame.right.radiance.fill(Colour::Zero());
   for (int k = 0; k < kSamples; ++k) {
     const double at = time + static_cast<double>(settings_.street.shutter) * ((k + 0.5) / kSamples - 0.5);
     const SE3 T_wc = pose_at_time(at);
     left_.render(camera_, T_wc, at, blurred_);
-    frame.left.radiance += blurred_.radiance * (1.0 / kSamples);
+    add_share(blurred_.radiance, 1.0F / kSamples, frame.left.radiance);
     if (settings_.sensor == Sensor::rgbd) continue;
     right_.render(camera_, right_of(T_wc, camera_), at, blurred_);
-    frame.right.radiance += blurred_.radiance * (1.0 / kSamples);
+    add_share(blurred_.radiance, 1.0F / kSamples, frame.right.radiance);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "slam/world/camera_sensor.h"
+#include "slam/world/ground_truth_images.h"
 #include "slam/world/instance_masks.h"
 #include "slam/world/ray_caster.h"
 #include "slam/world/street_builder.h"
@@ -19,7 +20,7 @@ struct SequenceSettings {
   Sensor sensor = Sensor::stereo;
   std::string path = "block";  // "block", "eight", "straight" or a KITTI pose file
   int frames = 0;              // 0: 60, or all of a pose file
-  cv::Size size{620, 188};     // pixels
+  Size size{620, 188};         // pixels
   std::uint32_t seed = 1;
   bool annotations = false;  // COCO instances of the left or only image
   // What stereo drives have beyond grey pairs and instance ids; all but `colour` for the left image.
@@ -29,15 +30,15 @@ struct SequenceSettings {
 };
 
 // A camera as KITTI's, scaled to `size`: f = 0.58 width, baseline 0.537 m, principal point near the middle.
-StereoCamera street_camera(const cv::Size& size);
+StereoCamera street_camera(const Size& size);
 
 struct StreetFrame {
   RenderedView left, right;
-  cv::Mat1b left_grey, right_grey;
-  cv::Mat3b left_bgr, right_bgr;         // where SequenceSettings::colour
+  ByteImage left_grey, right_grey;
+  ByteImage left_bgr, right_bgr;         // where SequenceSettings::colour
   std::vector<InstanceMasks> instances;  // of the left view; where SequenceSettings::annotations or amodal
-  cv::Mat3f flow;          // see optical_flow; where SequenceSettings::flow, none in the last frame
-  cv::Mat1f sensed_depth;  // of Sensor::rgbd, which has left_bgr but neither grey nor right images
+  FlowImage flow;           // see optical_flow; where SequenceSettings::flow, none in the last frame
+  FloatImage sensed_depth;  // of Sensor::rgbd, which has left_bgr but neither grey nor right images
 };
 
 class StreetSequence {

@@ -47,11 +47,21 @@ TEST(Bench, NetworkPrintsOneObject) {
   EXPECT_GT(result["backbone_fpn_gflop"], 1.0);
 }
 
+TEST(Bench, ImageOperationsAreTimedOneByOne) {
+  const nlohmann::json result =
+      json_of("bench image --size 64x48 --isa baseline --repeats 1 --warm-up 0 --json");
+  EXPECT_EQ(result["isa"], "baseline");
+  EXPECT_EQ(result["width"], 64);
+  ASSERT_GE(result["operations"].size(), 10U);
+  for (const nlohmann::json& operation : result["operations"])
+    EXPECT_GT(operation["megapixels_per_second"], 0.0) << operation["name"];
+}
+
 TEST(Bench, WrongArgumentsAreUsageErrors) {
   for (const char* arguments :
        {"bench", "bench speed", "bench conv --shape 32", "bench conv --shape 0,1,2x2,1,1",
-        "bench network --size 96", "bench peak --repeats 0", "bench peak --isa mmx",
-        "bench network --precision fp16", "info", "info --cpu file"}) {
+        "bench network --size 96", "bench image --size 8x8", "bench image --size x", "bench peak --repeats 0",
+        "bench peak --isa mmx", "bench network --precision fp16", "info", "info --cpu file"}) {
     EXPECT_EQ(test::run_penumbra(arguments).exit_code, 2) << arguments;
   }
 }

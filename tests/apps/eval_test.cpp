@@ -95,7 +95,7 @@ TEST_F(Eval, FramesPickAPartOfTheGroundTruth) {
 
 TEST_F(Eval, DrawsThePlot) {
   EXPECT_EQ(eval("truth.txt", "estimate.txt", "--plot " + path("plot.png")).exit_code, 0);
-  EXPECT_GE(nn::read_image(path("plot.png"), nn::ImageColour::bgr).cols, 1000);
+  EXPECT_GE(nn::read_image(path("plot.png"), nn::ImageColour::bgr).width(), 1000);
   EXPECT_EQ(eval("truth.txt", "estimate.txt", "--plot " + path("no/plot.png")).exit_code, 1);
   EXPECT_EQ(eval("truth.txt", "estimate.txt", "--plot " + path("plot.unknown")).exit_code, 1);
 }

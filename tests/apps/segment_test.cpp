@@ -35,7 +35,7 @@ class SegmentTest : public ::testing::Test {
 TEST_F(SegmentTest, WritesAPictureAndCocoResults) {
   const ProgramResult result = segment(image() + " --weights " + weights());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(nn::read_image(std::filesystem::path(out()) / "0042_overlay.png", nn::ImageColour::bgr).cols,
+  EXPECT_EQ(nn::read_image(std::filesystem::path(out()) / "0042_overlay.png", nn::ImageColour::bgr).width(),
             640);
 
   std::ifstream file(std::filesystem::path(out()) / "results.json");

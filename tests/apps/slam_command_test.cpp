@@ -99,7 +99,7 @@ TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.out.find("20 frames, 20 tracked, 0 lost"), std::string::npos) << result.out;
   }
-  for (const char* file : {"trajectory_kitti.txt", "trajectory_tum.txt", "map.ply", "trajectory.png"}) {
+  for (const char* file : {"trajectory_kitti.txt", "trajectory_tum.txt", "map.ply", "trajectory.svg"}) {
     ASSERT_FALSE(contents(folder / "first" / file).empty()) << file;
     EXPECT_EQ(contents(folder / "first" / file), contents(folder / "second" / file)) << file;
   }

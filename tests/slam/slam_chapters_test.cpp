@@ -20,8 +20,8 @@ namespace {
 
 TEST(SlamChapters, Orb) {
   ImagePyramid pyramid;
-  pyramid.build(cv::Mat::zeros(376, 1241, CV_8U), {8, 1.2});
-  ASSERT_EQ(pyramid.level(1).cols, 1034);
+  pyramid.build(ByteImage::filled(1241, 376, 0), {8, 1.2});
+  ASSERT_EQ(pyramid.level(1).width(), 1034);
   EXPECT_NEAR(pyramid.to_full({10.0F, 10.0F}, 1).x(), 12.10, 0.005);
   EXPECT_NEAR(pyramid.to_full({0.0F, 0.0F}, 7).x(), 1.3, 0.05);
   double sum = 0.0;

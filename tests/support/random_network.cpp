@@ -4,8 +4,8 @@
 
 namespace penumbra::test {
 
-cv::Mat random_image(std::uint32_t seed, int width, int height) {
-  cv::Mat3b image(height, width);
+ByteImage random_image(std::uint32_t seed, int width, int height) {
+  ByteImage image(width, height, 3);
   const int blocks = (width + 7) / 8;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -13,7 +13,7 @@ cv::Mat random_image(std::uint32_t seed, int width, int height) {
         const auto coarse = static_cast<std::uint32_t>((y / 8 * blocks + x / 8) * 3 + c);
         const auto fine = static_cast<std::uint32_t>((y * width + x) * 3 + c);
         const float value = 127.5F + 90.0F * counter_uniform_f32(seed, coarse);
-        image(y, x)[c] = static_cast<std::uint8_t>(value + 30.0F * counter_uniform_f32(seed + 1000, fine));
+        image.at(x, y, c) = static_cast<std::uint8_t>(value + 30.0F * counter_uniform_f32(seed + 1000, fine));
       }
     }
   }

@@ -2,8 +2,7 @@
 // weights_tools/reference/make_*_fixtures.py give PyTorch, number for number.
 #pragma once
 
-#include <opencv2/core.hpp>
-
+#include "nn/image/image.h"
 #include "nn/models/random_weights.h"
 
 namespace penumbra::test {
@@ -13,6 +12,6 @@ using nn::random_state;
 using nn::Shapes;
 
 // Blocks of random colour, 8 x 8 pixels each, and noise; BGR.
-cv::Mat random_image(std::uint32_t seed, int width, int height);
+ByteImage random_image(std::uint32_t seed, int width, int height);
 
 }  // namespace penumbra::test

@@ -22,7 +22,7 @@ inline void expect_same_bits(const std::vector<nn::Detection>& found,
   }
 }
 
-inline void expect_repeats_on_any_number_of_threads(nn::InstanceSegmenter& network, const cv::Mat& image) {
+inline void expect_repeats_on_any_number_of_threads(nn::InstanceSegmenter& network, const ByteImage& image) {
   const int threads = omp_get_max_threads();
   const std::vector<nn::Detection> first = network(image);
   for (const int count : {1, 2, 3}) {

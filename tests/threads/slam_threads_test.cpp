@@ -87,7 +87,7 @@ TEST_F(SlamThreads, SurviveABlackout) {
   for (const StereoImages& pair : images) {
     StereoImages shown = pair;
     if (pair.index >= 25 && pair.index < 30) {
-      shown.left = cv::Mat::zeros(pair.left.size(), CV_8U);
+      shown.left = ByteImage::filled(pair.left.width(), pair.left.height(), 0);
       shown.right = shown.left;
     }
     slam.process(shown);
@@ -102,10 +102,10 @@ TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
   Instance car;
   car.class_name = "car";
   car.score = 1.0F;
-  car.region = cv::Rect(180, 50, 90, 50);
-  car.mask = cv::Mat1b(50, 90, std::uint8_t{255});
+  car.region = {180, 50, 90, 50};
+  car.mask = ByteImage::filled(90, 50, 255);
   Slam slam(camera, Sensor::stereo, settings,
-            [&](int, const cv::Mat&) { return std::vector<Instance>{car}; });
+            [&](int, const ByteImage&) { return std::vector<Instance>{car}; });
   for (const StereoImages& pair : images) slam.process(pair);
   slam.finish();
   EXPECT_EQ(slam.trajectory().size(), images.size());

@@ -3,7 +3,14 @@
 namespace penumbra::nn::PENUMBRA_ISA {
 
 extern const KernelTable kKernels;
-const KernelTable kKernels = {&kRegisterTile, winograd_input, winograd_output,
-                              activate,       roi_align,      peak_loop};
+const KernelTable kKernels = {
+    &kRegisterTile,
+    winograd_input,
+    winograd_output,
+    activate,
+    roi_align,
+    peak_loop,
+    {fast_scores, peaks, blur_rows, blur_columns, resize_row, resize_mix, remap_row, slope_energy, grey_row,
+     flow_window, flow_mismatch, halve_rows, halve_columns}};
 
 }  // namespace penumbra::nn::PENUMBRA_ISA

@@ -4,7 +4,7 @@
 
 namespace penumbra::slam {
 
-void measure_depth(const StereoCamera& camera, const Features& features, const cv::Mat1f& depth,
+void measure_depth(const StereoCamera& camera, const Features& features, const FloatImage& depth,
                    StereoMatches& matches) {
   const std::size_t n = features.keypoints.size();
   matches.u_right.assign(n, -1.0F);
@@ -14,8 +14,8 @@ void measure_depth(const StereoCamera& camera, const Features& features, const c
   for (std::size_t i = 0; i < n; ++i) {
     const Keypoint& k = features.keypoints[i];
     const int x = static_cast<int>(std::lround(k.u)), y = static_cast<int>(std::lround(k.v));
-    if (x < 0 || y < 0 || x >= depth.cols || y >= depth.rows) continue;
-    const float z = depth(y, x);
+    if (x < 0 || y < 0 || x >= depth.width() || y >= depth.height()) continue;
+    const float z = depth.at(x, y);
     if (!(z > 0.0F) || !std::isfinite(z)) continue;
     const float u_right = k.u - fx_baseline / z;
     if (u_right < 0.0F) continue;

@@ -8,8 +8,7 @@
 // Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-A.
 #pragma once
 
-#include <opencv2/core.hpp>
-
+#include "nn/image/image.h"
 #include "slam/frontend/features/feature.h"
 #include "slam/frontend/features/stereo_matcher.h"
 #include "slam/geometry/stereo_camera.h"
@@ -18,7 +17,7 @@ namespace penumbra::slam {
 
 // `depth`: CV_32F of the camera's size, metres along z; 0, negative, infinite or NaN where unknown. The depth
 // is that of the nearest pixel; features without one, or whose column would lie outside, get none.
-void measure_depth(const StereoCamera& camera, const Features& features, const cv::Mat1f& depth,
+void measure_depth(const StereoCamera& camera, const Features& features, const FloatImage& depth,
                    StereoMatches& matches);
 
 }  // namespace penumbra::slam

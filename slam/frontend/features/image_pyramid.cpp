@@ -1,7 +1,7 @@
 #include "slam/frontend/features/image_pyramid.h"
 
+#include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 namespace penumbra::slam {
 
@@ -11,22 +11,23 @@ std::vector<double> level_scales(const PyramidSettings& settings) {
   return scales;
 }
 
-void ImagePyramid::build(const cv::Mat& grey, const PyramidSettings& settings, int smallest) {
+void ImagePyramid::build(const ByteImage& grey, const PyramidSettings& settings, int smallest) {
   const std::vector<double> scales = level_scales(settings);
   images_.resize(scales.size());
+  resize_.resize(scales.size());
   ratios_.resize(scales.size());
   used_ = 0;
   for (std::size_t l = 0; l < scales.size(); ++l) {
-    const cv::Size size(static_cast<int>(std::lround(grey.cols / scales[l])),
-                        static_cast<int>(std::lround(grey.rows / scales[l])));
+    const Size size{static_cast<int>(std::lround(grey.width() / scales[l])),
+                    static_cast<int>(std::lround(grey.height() / scales[l]))};
     if (std::min(size.width, size.height) < std::max(smallest, 1)) break;
     if (l == 0) {
       images_[0] = grey;
     } else {
-      cv::resize(images_[l - 1], images_[l], size, 0.0, 0.0, cv::INTER_LINEAR);
+      resize_[l].apply(images_[l - 1], size, images_[l]);
     }
-    ratios_[l] = {static_cast<float>(grey.cols) / static_cast<float>(size.width),
-                  static_cast<float>(grey.rows) / static_cast<float>(size.height)};
+    ratios_[l] = {static_cast<float>(grey.width()) / static_cast<float>(size.width),
+                  static_cast<float>(grey.height()) / static_cast<float>(size.height)};
     ++used_;
   }
 }

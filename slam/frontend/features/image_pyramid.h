@@ -6,8 +6,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <opencv2/core.hpp>
 #include <vector>
+
+#include "nn/image/resize.h"
 
 namespace penumbra::slam {
 
@@ -22,12 +23,12 @@ std::vector<double> level_scales(const PyramidSettings& settings);
 
 class ImagePyramid {
  public:
-  // `grey`: 8-bit, one channel; level 0 refers to its pixels without a copy. Levels that would be narrower or
+  // `grey`: 8-bit, one channel; level 0 shares its pixels. Levels that would be narrower or
   // lower than `smallest` pixels are left out. The memory of the last call is reused.
-  void build(const cv::Mat& grey, const PyramidSettings& settings, int smallest = 1);
+  void build(const ByteImage& grey, const PyramidSettings& settings, int smallest = 1);
 
   int levels() const { return used_; }
-  const cv::Mat& level(int l) const { return images_[static_cast<std::size_t>(l)]; }
+  const ByteImage& level(int l) const { return images_[static_cast<std::size_t>(l)]; }
 
   // Position on level l to the full image, and back.
   Eigen::Vector2f to_full(const Eigen::Vector2f& p, int l) const;
@@ -36,7 +37,8 @@ class ImagePyramid {
   float scale_x(int l) const { return ratios_[static_cast<std::size_t>(l)].x(); }
 
  private:
-  std::vector<cv::Mat> images_;
+  std::vector<ByteImage> images_;
+  std::vector<LinearResize> resize_;     // to each level
   std::vector<Eigen::Vector2f> ratios_;  // size of the full image over the size of the level
   int used_ = 0;
 };

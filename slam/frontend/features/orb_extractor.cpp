@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "slam/frontend/features/orb_pattern.h"
 #include "slam/frontend/features/quadtree.h"
@@ -12,9 +11,7 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr int kFastRadius = 3;             // FAST looks at a circle of this radius
 constexpr int kBorder = kPatchRadius + 1;  // no corner is closer to the level's border than this
-constexpr double kBlurSigma = 2.0;         // pixels of the level
 
 // Half width of the disc of radius kPatchRadius in row y.
 const std::array<int, kPatchRadius + 1>& disc_rows() {
@@ -30,15 +27,14 @@ const std::array<int, kPatchRadius + 1>& disc_rows() {
 }
 
 // Direction from the disc's centre to its centre of intensity.
-float orientation(const cv::Mat& image, int x, int y) {
+float orientation(const ByteView& image, int x, int y) {
   int m01 = 0, m10 = 0;
-  const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(image.step);
-  const uchar* centre = image.ptr<uchar>(y) + x;
+  const std::uint8_t* centre = image.row(y) + x;
   for (int i = -kPatchRadius; i <= kPatchRadius; ++i) m10 += i * centre[i];
   for (int row = 1; row <= kPatchRadius; ++row) {
     const int half = disc_rows()[static_cast<std::size_t>(row)];
-    const uchar* below = centre + row * step;
-    const uchar* above = centre - row * step;
+    const std::uint8_t* below = centre + row * image.pitch;
+    const std::uint8_t* above = centre - row * image.pitch;
     int difference = 0;
     for (int i = -half; i <= half; ++i) {
       difference += below[i] - above[i];
@@ -49,10 +45,10 @@ float orientation(const cv::Mat& image, int x, int y) {
   return std::atan2(static_cast<float>(m01), static_cast<float>(m10));
 }
 
-Descriptor describe(const cv::Mat& blurred, int x, int y, float angle) {
+Descriptor describe(const ByteView& blurred, int x, int y, float angle) {
   const OrbPattern::Tests& tests = OrbPattern::get().rotated(angle);
-  const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(blurred.step);
-  const uchar* centre = blurred.ptr<uchar>(y) + x;
+  const std::ptrdiff_t step = blurred.pitch;
+  const std::uint8_t* centre = blurred.row(y) + x;
   Descriptor descriptor{};
   for (std::size_t word = 0; word < descriptor.size(); ++word) {
     std::uint64_t bits = 0;
@@ -82,39 +78,34 @@ std::vector<int> features_per_level(int total, const std::vector<double>& scales
 
 }  // namespace
 
-int default_feature_count(cv::Size image) {
+int default_feature_count(const Size& image) {
   constexpr double kPixelsPerFeature = 1241.0 * 376.0 / 2000.0;
-  return std::clamp(static_cast<int>(static_cast<double>(image.area()) / kPixelsPerFeature), 1000, 4000);
+  return std::clamp(static_cast<int>(static_cast<double>(image.width) * image.height / kPixelsPerFeature),
+                    1000, 4000);
 }
 
-void OrbExtractor::find_corners(const cv::Mat& level, const cv::Rect& region) {
-  const auto fast = [&](const cv::Rect& where, int threshold, std::vector<cv::KeyPoint>& found) {
-    const cv::Rect seen(where.x - kFastRadius, where.y - kFastRadius, where.width + 2 * kFastRadius,
-                        where.height + 2 * kFastRadius);
-    cv::FAST(level(seen), found, threshold, true);
-    for (cv::KeyPoint& corner : found) corner.pt += cv::Point2f(cv::Point(seen.tl()));
-  };
-  fast(region, settings_.fast_threshold, corners_);
+void OrbExtractor::find_corners(const ByteView& level, const Rect& region) {
+  fast_.measure(level, region, std::min(settings_.fast_threshold, settings_.lowest_fast_threshold));
+  corners_.clear();
+  fast_.find(region, settings_.fast_threshold, corners_);
 
   const int size = settings_.cell_size;
   const int columns = (region.width + size - 1) / size, rows = (region.height + size - 1) / size;
   cell_has_corner_.assign(static_cast<std::size_t>(columns * rows), 0);
-  for (const cv::KeyPoint& corner : corners_) {
-    const int column = (static_cast<int>(corner.pt.x) - region.x) / size;
-    const int row = (static_cast<int>(corner.pt.y) - region.y) / size;
+  for (const Corner& corner : corners_) {
+    const int column = (corner.x - region.x) / size, row = (corner.y - region.y) / size;
     cell_has_corner_[static_cast<std::size_t>(row * columns + column)] = 1;
   }
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       if (cell_has_corner_[static_cast<std::size_t>(row * columns + column)]) continue;
-      const cv::Rect cell = cv::Rect(region.x + column * size, region.y + row * size, size, size) & region;
-      fast(cell, settings_.lowest_fast_threshold, cell_corners_);
-      corners_.insert(corners_.end(), cell_corners_.begin(), cell_corners_.end());
+      const Rect cell{region.x + column * size, region.y + row * size, size, size};
+      fast_.find(intersection(cell, region), settings_.lowest_fast_threshold, corners_);
     }
   }
 }
 
-void OrbExtractor::extract(const cv::Mat& grey, Features& features, double more) {
+void OrbExtractor::extract(const ByteImage& grey, Features& features, double more) {
   features.clear();
   pyramid_.build(grey, settings_.pyramid, 2 * kBorder + 1);
   const int wanted = settings_.features > 0 ? settings_.features : default_feature_count(grey.size());
@@ -122,19 +113,18 @@ void OrbExtractor::extract(const cv::Mat& grey, Features& features, double more)
       features_per_level(static_cast<int>(std::lround(more * wanted)), level_scales(settings_.pyramid));
 
   for (int l = 0; l < pyramid_.levels(); ++l) {
-    const cv::Mat& level = pyramid_.level(l);
-    const cv::Rect region(kBorder, kBorder, level.cols - 2 * kBorder, level.rows - 2 * kBorder);
+    const ByteView level = pyramid_.level(l);
+    const Rect region{kBorder, kBorder, level.width - 2 * kBorder, level.height - 2 * kBorder};
     find_corners(level, region);
-    const std::vector<cv::KeyPoint> spread =
-        spread_corners(corners_, cv::Rect2f(region), counts[static_cast<std::size_t>(l)]);
+    const std::vector<Corner> spread = spread_corners(corners_, region, counts[static_cast<std::size_t>(l)]);
     if (spread.empty()) continue;
-    cv::GaussianBlur(level, blurred_, cv::Size(7, 7), kBlurSigma, kBlurSigma, cv::BORDER_REFLECT_101);
-    for (const cv::KeyPoint& corner : spread) {
-      const int x = static_cast<int>(corner.pt.x), y = static_cast<int>(corner.pt.y);
-      const Eigen::Vector2f full = pyramid_.to_full({corner.pt.x, corner.pt.y}, l);
-      const float angle = orientation(level, x, y);
-      features.keypoints.push_back({full.x(), full.y(), l, angle, corner.response});
-      features.descriptors.push_back(describe(blurred_, x, y, angle));
+    blur_.apply(level, blurred_);
+    for (const Corner& corner : spread) {
+      const Eigen::Vector2f at(static_cast<float>(corner.x), static_cast<float>(corner.y));
+      const Eigen::Vector2f full = pyramid_.to_full(at, l);
+      const float angle = orientation(level, corner.x, corner.y);
+      features.keypoints.push_back({full.x(), full.y(), l, angle, static_cast<float>(corner.score)});
+      features.descriptors.push_back(describe(blurred_, corner.x, corner.y, angle));
     }
   }
 }

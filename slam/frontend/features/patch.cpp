@@ -8,19 +8,19 @@ namespace penumbra::slam {
 Patch extract_patch(const ImagePyramid& pyramid, const Keypoint& keypoint) {
   Patch patch;
   if (keypoint.level < 0 || keypoint.level >= pyramid.levels()) return patch;
-  const cv::Mat& image = pyramid.level(keypoint.level);
+  const ByteImage& image = pyramid.level(keypoint.level);
   const Eigen::Vector2f position(keypoint.u, keypoint.v);
   const Eigen::Vector2f on_level = pyramid.to_level(position, keypoint.level);
   const int x = static_cast<int>(std::lround(on_level.x())), y = static_cast<int>(std::lround(on_level.y()));
-  if (x < Patch::kHalf || y < Patch::kHalf || x + Patch::kHalf >= image.cols ||
-      y + Patch::kHalf >= image.rows) {
+  if (x < Patch::kHalf || y < Patch::kHalf || x + Patch::kHalf >= image.width() ||
+      y + Patch::kHalf >= image.height()) {
     return patch;
   }
   patch.level = keypoint.level;
   patch.offset = position - pyramid.to_full({static_cast<float>(x), static_cast<float>(y)}, keypoint.level);
   auto out = patch.pixels.begin();
   for (int dy = -Patch::kHalf; dy <= Patch::kHalf; ++dy) {
-    const std::uint8_t* row = image.ptr<std::uint8_t>(y + dy) + x - Patch::kHalf;
+    const std::uint8_t* row = image.row(y + dy) + x - Patch::kHalf;
     out = std::copy(row, row + Patch::kWidth, out);
   }
   return patch;

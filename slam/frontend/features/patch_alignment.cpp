@@ -73,14 +73,14 @@ float smaller_eigenvalue(const Eigen::Matrix2f& H) {
 }
 
 // The image's values around p, bilinear.
-void sample(const cv::Mat& image, const Eigen::Vector2f& p, Window& window) {
+void sample(const ByteView& image, const Eigen::Vector2f& p, Window& window) {
   const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
   const float a = p.x() - static_cast<float>(x), b = p.y() - static_cast<float>(y);
   const float w00 = (1.0F - a) * (1.0F - b), w01 = a * (1.0F - b), w10 = (1.0F - a) * b, w11 = a * b;
   float* out = window.data();
   for (int dy = -kHalf; dy <= kHalf; ++dy, out += kWidth) {
-    const std::uint8_t* upper = image.ptr<std::uint8_t>(y + dy) + x - kHalf;
-    const std::uint8_t* lower = image.ptr<std::uint8_t>(y + dy + 1) + x - kHalf;
+    const std::uint8_t* upper = image.row(y + dy) + x - kHalf;
+    const std::uint8_t* lower = image.row(y + dy + 1) + x - kHalf;
     for (int i = 0; i < kWidth; ++i) {
       out[i] = w00 * static_cast<float>(upper[i]) + w01 * static_cast<float>(upper[i + 1]) +
                w10 * static_cast<float>(lower[i]) + w11 * static_cast<float>(lower[i + 1]);
@@ -88,14 +88,14 @@ void sample(const cv::Mat& image, const Eigen::Vector2f& p, Window& window) {
   }
 }
 
-bool window_inside(const cv::Mat& image, const Eigen::Vector2f& p) {
-  return p.x() >= kHalf && p.y() >= kHalf && p.x() + kHalf + 1 < static_cast<float>(image.cols) &&
-         p.y() + kHalf + 1 < static_cast<float>(image.rows);
+bool window_inside(const ByteView& image, const Eigen::Vector2f& p) {
+  return p.x() >= kHalf && p.y() >= kHalf && p.x() + kHalf + 1 < static_cast<float>(image.width) &&
+         p.y() + kHalf + 1 < static_cast<float>(image.height);
 }
 
 }  // namespace
 
-std::optional<Eigen::Vector2f> align_patch(const Patch& patch, float ratio, const cv::Mat& image,
+std::optional<Eigen::Vector2f> align_patch(const Patch& patch, float ratio, const ByteView& image,
                                            const Eigen::Vector2f& start,
                                            const PatchAlignmentSettings& settings) {
   if (patch.empty() || !(ratio >= kSmallestPatchRatio && ratio <= kLargestPatchRatio)) return std::nullopt;

@@ -11,9 +11,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <opencv2/core.hpp>
 #include <optional>
 
+#include "nn/image/image.h"
 #include "slam/frontend/features/patch.h"
 
 namespace penumbra::slam {
@@ -30,7 +30,7 @@ inline constexpr float kSmallestPatchRatio = 0.86F, kLargestPatchRatio = 1.5F;
 
 // Position of the patch's middle in `image`, pixels; nothing where the patch has too little structure or is
 // not there, or where the window leaves the image or `ratio` its range.
-std::optional<Eigen::Vector2f> align_patch(const Patch& patch, float ratio, const cv::Mat& image,
+std::optional<Eigen::Vector2f> align_patch(const Patch& patch, float ratio, const ByteView& image,
                                            const Eigen::Vector2f& start,
                                            const PatchAlignmentSettings& settings = {});
 

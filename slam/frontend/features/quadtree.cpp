@@ -10,8 +10,8 @@ namespace penumbra::slam {
 namespace {
 
 struct Node {
-  cv::Rect2f region;
-  int begin, end;  // its corners in the array, which is kept sorted by node
+  float x, y, width, height;  // of its region
+  int begin, end;             // its corners in the array, which is kept sorted by node
   int depth;
 
   int size() const { return end - begin; }
@@ -21,37 +21,37 @@ struct Node {
 constexpr int kDeepest = 16;
 
 // The four quarters of a node that hold corners; reorders the node's part of the array, stably.
-std::array<Node, 4> split(const Node& node, std::vector<cv::KeyPoint>& corners) {
-  const float x = node.region.x + node.region.width / 2, y = node.region.y + node.region.height / 2;
+std::array<Node, 4> split(const Node& node, std::vector<Corner>& corners) {
+  const float w = node.width / 2, h = node.height / 2, x = node.x + w, y = node.y + h;
   const auto begin = corners.begin();
-  const auto left = [x](const cv::KeyPoint& c) { return c.pt.x < x; };
-  const auto upper = [y](const cv::KeyPoint& c) { return c.pt.y < y; };
+  const auto left = [x](const Corner& c) { return static_cast<float>(c.x) < x; };
+  const auto upper = [y](const Corner& c) { return static_cast<float>(c.y) < y; };
   const auto row = std::stable_partition(begin + node.begin, begin + node.end, upper);
   const auto upper_column = std::stable_partition(begin + node.begin, row, left);
   const auto lower_column = std::stable_partition(row, begin + node.end, left);
   const int r = static_cast<int>(row - begin);
-  const float w = node.region.width / 2, h = node.region.height / 2;
-  return {Node{{node.region.x, node.region.y, w, h}, node.begin, int(upper_column - begin), node.depth + 1},
-          Node{{x, node.region.y, w, h}, int(upper_column - begin), r, node.depth + 1},
-          Node{{node.region.x, y, w, h}, r, int(lower_column - begin), node.depth + 1},
-          Node{{x, y, w, h}, int(lower_column - begin), node.end, node.depth + 1}};
+  return {Node{node.x, node.y, w, h, node.begin, int(upper_column - begin), node.depth + 1},
+          Node{x, node.y, w, h, int(upper_column - begin), r, node.depth + 1},
+          Node{node.x, y, w, h, r, int(lower_column - begin), node.depth + 1},
+          Node{x, y, w, h, int(lower_column - begin), node.end, node.depth + 1}};
 }
 
 }  // namespace
 
-std::vector<cv::KeyPoint> spread_corners(std::vector<cv::KeyPoint> corners, const cv::Rect2f& region,
-                                         int wanted) {
+std::vector<Corner> spread_corners(std::vector<Corner> corners, const Rect& region, int wanted) {
   if (wanted <= 0 || corners.empty()) return {};
   if (static_cast<int>(corners.size()) <= wanted) return corners;
 
+  const auto left = static_cast<float>(region.x), top = static_cast<float>(region.y);
+  const auto whole_width = static_cast<float>(region.width), height = static_cast<float>(region.height);
   // Start from squares side by side, so that the regions keep the shape of a square.
-  const int columns = std::max(1, static_cast<int>(std::lround(region.width / region.height)));
-  const float width = region.width / static_cast<float>(columns);
-  const auto column_of = [&](const cv::KeyPoint& c) {
-    return std::clamp(static_cast<int>((c.pt.x - region.x) / width), 0, columns - 1);
+  const int columns = std::max(1, static_cast<int>(std::lround(whole_width / height)));
+  const float width = whole_width / static_cast<float>(columns);
+  const auto column_of = [&](const Corner& c) {
+    return std::clamp(static_cast<int>(static_cast<float>(c.x - region.x) / width), 0, columns - 1);
   };
   std::stable_sort(corners.begin(), corners.end(),
-                   [&](const cv::KeyPoint& a, const cv::KeyPoint& b) { return column_of(a) < column_of(b); });
+                   [&](const Corner& a, const Corner& b) { return column_of(a) < column_of(b); });
 
   const auto fewer = [](const Node& a, const Node& b) {
     return a.size() != b.size() ? a.size() < b.size() : a.begin > b.begin;
@@ -71,7 +71,7 @@ std::vector<cv::KeyPoint> spread_corners(std::vector<cv::KeyPoint> corners, cons
     int end = begin;
     while (end < static_cast<int>(corners.size()) && column_of(corners[static_cast<std::size_t>(end)]) == c)
       ++end;
-    add({{region.x + static_cast<float>(c) * width, region.y, width, region.height}, begin, end, 0});
+    add({left + static_cast<float>(c) * width, top, width, height, begin, end, 0});
     begin = end;
   }
   while (!open.empty() && static_cast<int>(leaves.size() + open.size()) < wanted) {
@@ -81,12 +81,11 @@ std::vector<cv::KeyPoint> spread_corners(std::vector<cv::KeyPoint> corners, cons
   }
   for (; !open.empty(); open.pop()) leaves.push_back(open.top());
 
-  std::vector<cv::KeyPoint> kept;
+  std::vector<Corner> kept;
   kept.reserve(leaves.size());
   for (const Node& leaf : leaves) {
-    kept.push_back(*std::max_element(
-        corners.begin() + leaf.begin, corners.begin() + leaf.end,
-        [](const cv::KeyPoint& a, const cv::KeyPoint& b) { return a.response < b.response; }));
+    kept.push_back(*std::max_element(corners.begin() + leaf.begin, corners.begin() + leaf.end,
+                                     [](const Corner& a, const Corner& b) { return a.score < b.score; }));
   }
   return kept;
 }

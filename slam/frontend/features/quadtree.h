@@ -6,15 +6,15 @@
 // Source: the distribution idea of ORB-SLAM (Mur-Artal et al., T-RO 2015, section IV-A), own formulation.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <vector>
+
+#include "nn/image/fast_corners.h"
 
 namespace penumbra::slam {
 
-// `corners`: positions inside `region`, with a response; returns at most max(wanted, number of starting
-// squares) of them, in an order that depends on the input only. Equal responses: the first one of the input
+// `corners`: inside `region`; returns at most max(wanted, number of starting
+// squares) of them, in an order that depends on the input only. Equal scores: the first one of the input
 // is kept.
-std::vector<cv::KeyPoint> spread_corners(std::vector<cv::KeyPoint> corners, const cv::Rect2f& region,
-                                         int wanted);
+std::vector<Corner> spread_corners(std::vector<Corner> corners, const Rect& region, int wanted);
 
 }  // namespace penumbra::slam

@@ -53,12 +53,12 @@ class RowTable {
   std::vector<int> begin_, features_;
 };
 
-int patch_difference(const cv::Mat& left, int xl, const cv::Mat& right, int xr, int y) {
-  const int offset = left.at<uchar>(y, xl) - right.at<uchar>(y, xr);
+int patch_difference(const ByteView& left, int xl, const ByteView& right, int xr, int y) {
+  const int offset = left.at(xl, y) - right.at(xr, y);
   int sum = 0;
   for (int dy = -kPatch; dy <= kPatch; ++dy) {
-    const uchar* l = left.ptr<uchar>(y + dy) + xl - kPatch;
-    const uchar* r = right.ptr<uchar>(y + dy) + xr - kPatch;
+    const std::uint8_t* l = left.row(y + dy) + xl - kPatch;
+    const std::uint8_t* r = right.row(y + dy) + xr - kPatch;
     for (int i = 0; i <= 2 * kPatch; ++i) sum += std::abs(l[i] - r[i] - offset);
   }
   return sum;
@@ -72,12 +72,12 @@ struct Refined {
 
 // Column of the right image, to a fraction of a pixel, where the patch around (x, y) of the left one fits
 // best; starts at the whole column `start`. Gauss-Newton on the sum of squares (step 3).
-std::optional<float> align_patch(const cv::Mat& left, const cv::Mat& right, int x, int y, int start) {
+std::optional<float> align_patch(const ByteView& left, const ByteView& right, int x, int y, int start) {
   std::array<float, kPatchPixels> value, slope;
   float slope_sum = 0.0F, curvature = 0.0F;
   std::size_t n = 0;
   for (int dy = -kPatch; dy <= kPatch; ++dy) {
-    const uchar* row = left.ptr<uchar>(y + dy) + x;
+    const std::uint8_t* row = left.row(y + dy) + x;
     for (int dx = -kPatch; dx <= kPatch; ++dx, ++n) {
       value[n] = row[dx];
       slope[n] = 0.5F * static_cast<float>(row[dx + 1] - row[dx - 1]);
@@ -96,11 +96,11 @@ std::optional<float> align_patch(const cv::Mat& left, const cv::Mat& right, int 
     const float column = static_cast<float>(start) + shift;
     const int whole = static_cast<int>(std::floor(column));
     const float share = column - static_cast<float>(whole);
-    if (whole - kPatch < 0 || whole + kPatch + 1 >= right.cols) return std::nullopt;
+    if (whole - kPatch < 0 || whole + kPatch + 1 >= right.width) return std::nullopt;
     float sum = 0.0F;
     n = 0;
     for (int dy = -kPatch; dy <= kPatch; ++dy) {
-      const uchar* row = right.ptr<uchar>(y + dy) + whole;
+      const std::uint8_t* row = right.row(y + dy) + whole;
       for (int dx = -kPatch; dx <= kPatch; ++dx, ++n) {
         const float r = (1.0F - share) * row[dx] + share * row[dx + 1];
         sum += slope[n] * (r - value[n]);
@@ -115,12 +115,12 @@ std::optional<float> align_patch(const cv::Mat& left, const cv::Mat& right, int 
 }
 
 // Slides the left patch at (xl, y) along the right row around column xr, then aligns it.
-Refined refine(const cv::Mat& left, const cv::Mat& right, int xl, int y, int xr) {
-  if (y < kPatch || y + kPatch >= std::min(left.rows, right.rows) || xl <= kPatch ||
-      xl + kPatch + 1 >= left.cols) {
+Refined refine(const ByteView& left, const ByteView& right, int xl, int y, int xr) {
+  if (y < kPatch || y + kPatch >= std::min(left.height, right.height) || xl <= kPatch ||
+      xl + kPatch + 1 >= left.width) {
     return {};
   }
-  if (xr - kSlide - kPatch < 0 || xr + kSlide + kPatch >= right.cols) return {};
+  if (xr - kSlide - kPatch < 0 || xr + kSlide + kPatch >= right.width) return {};
   std::array<int, 2 * kSlide + 1> sad{};
   for (int s = -kSlide; s <= kSlide; ++s) {
     sad[std::size_t(s + kSlide)] = patch_difference(left, xl, right, xr + s, y);

@@ -30,11 +30,11 @@ bool decode(std::string_view bytes) {
   bool is_decoded = false;
   for (const auto colour : {nn::ImageColour::grey, nn::ImageColour::bgr}) {
     is_decoded = is_read([&] {
-      const cv::Mat image = nn::read_image(file.path(), colour);
-      require(image.type() == (colour == nn::ImageColour::grey ? CV_8UC1 : CV_8UC3), "8 bits a channel");
+      const ByteImage image = nn::read_image(file.path(), colour);
+      require(image.channels() == (colour == nn::ImageColour::grey ? 1 : 3), "as many channels as asked for");
       nn::ImageInfo size;
-      size.width = image.cols;
-      size.height = image.rows;
+      size.width = image.width();
+      size.height = image.height();
       require_size(size);
     });
   }

@@ -11,6 +11,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/exif.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"
 
@@ -81,24 +82,24 @@ class ImageFile : public testing::Test {
 TEST_F(ImageFile, WhatIsWrittenAsPngIsReadBack) {
   for (const int type : {CV_8UC1, CV_8UC3}) {
     const cv::Mat image = test_picture(type);
-    write_image(folder_ / "a.png", image);
+    test::write_mat(folder_ / "a.png", image);
     const cv::Mat read =
-        read_image(folder_ / "a.png", type == CV_8UC1 ? ImageColour::grey : ImageColour::bgr);
+        test::read_mat(folder_ / "a.png", type == CV_8UC1 ? ImageColour::grey : ImageColour::bgr);
     ASSERT_EQ(read.type(), type);
     EXPECT_EQ(cv::norm(image, read, cv::NORM_INF), 0.0);
   }
 }
 
 TEST_F(ImageFile, GreyAndColourAreConverted) {
-  write_image(folder_ / "grey.png", test_picture(CV_8UC1));
-  write_image(folder_ / "colour.jpg", test_picture(CV_8UC3));
-  EXPECT_EQ(read_image(folder_ / "grey.png", ImageColour::bgr).type(), CV_8UC3);
-  EXPECT_EQ(read_image(folder_ / "colour.jpg", ImageColour::grey).type(), CV_8UC1);
+  test::write_mat(folder_ / "grey.png", test_picture(CV_8UC1));
+  test::write_mat(folder_ / "colour.jpg", test_picture(CV_8UC3));
+  EXPECT_EQ(test::read_mat(folder_ / "grey.png", ImageColour::bgr).type(), CV_8UC3);
+  EXPECT_EQ(test::read_mat(folder_ / "colour.jpg", ImageColour::grey).type(), CV_8UC1);
 }
 
 TEST_F(ImageFile, SixteenBitPngIsScaledToEightBits) {
   const cv::Mat image(20, 30, CV_16UC1, cv::Scalar(0x8123));
-  const cv::Mat read = read_image(file("a.png", encoded(".png", image)), ImageColour::grey);
+  const cv::Mat read = test::read_mat(file("a.png", encoded(".png", image)), ImageColour::grey);
   ASSERT_EQ(read.type(), CV_8UC1);
   EXPECT_EQ(read.at<unsigned char>(3, 4), 0x81);
 }
@@ -107,14 +108,14 @@ TEST_F(ImageFile, PngIsReadWithoutItsAncillaryChunks) {
   const cv::Mat image = test_picture(CV_8UC1);
   std::string bytes = encoded(".png", image);
   bytes.insert(33, png_chunk("iCCP", "a broken colour profile, of which libpng would complain"));
-  const cv::Mat read = read_image(file("a.png", bytes), ImageColour::grey);
+  const cv::Mat read = test::read_mat(file("a.png", bytes), ImageColour::grey);
   EXPECT_EQ(cv::norm(image, read, cv::NORM_INF), 0.0);
 }
 
 TEST_F(ImageFile, ProgressiveJpegAndBytesAfterItsEndAreRead) {
   const cv::Mat image = test_picture(CV_8UC3);
   const std::string bytes = encoded(".jpg", image, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
-  const cv::Mat read = read_image(file("a.jpg", bytes + std::string(100, '\0')), ImageColour::bgr);
+  const cv::Mat read = test::read_mat(file("a.jpg", bytes + std::string(100, '\0')), ImageColour::bgr);
   EXPECT_EQ(read.size(), image.size());
 }
 
@@ -180,9 +181,10 @@ TEST_F(ImageFile, RandomBytesAfterASignatureNeverCrash) {
 
 TEST_F(ImageFile, ImageThatCannotBeWrittenIsAnError) {
   const cv::Mat image = test_picture(CV_8UC1);
-  expect_error<Error>([&] { write_image(folder_ / "no/such/folder/a.png", image); }, {"cannot be written"});
-  expect_error<Error>([&] { write_image(folder_ / "a.unknown", image); }, {"a.unknown", "cannot encode"});
-  expect_error<Error>([&] { write_image(folder_ / "a.png", cv::Mat()); }, {"a.png", "cannot encode"});
+  expect_error<Error>([&] { test::write_mat(folder_ / "no/such/folder/a.png", image); },
+                      {"cannot be written"});
+  expect_error<Error>([&] { test::write_mat(folder_ / "a.unknown", image); }, {"a.unknown", "cannot encode"});
+  expect_error<Error>([&] { test::write_mat(folder_ / "a.png", cv::Mat()); }, {"a.png", "cannot encode"});
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
@@ -225,14 +227,15 @@ TEST_F(ImageFile, EightOrientationsAreTurnedUpright) {
       bytes.insert(33, png_chunk("eXIf", exif));
       const std::filesystem::path path = file("a.png", bytes);
       EXPECT_EQ(read_image_info(path).orientation, value);
-      const cv::Mat read = read_image(path, ImageColour::grey, ImageOrientation::upright);
+      const cv::Mat read = test::read_mat(path, ImageColour::grey, ImageOrientation::upright);
       ASSERT_EQ(read.size(), upright.size()) << value;
       EXPECT_EQ(cv::norm(read, upright, cv::NORM_INF), 0.0) << value;
-      EXPECT_EQ(read_image(path, ImageColour::grey).size(), stored[static_cast<std::size_t>(value)].size());
+      EXPECT_EQ(test::read_mat(path, ImageColour::grey).size(),
+                stored[static_cast<std::size_t>(value)].size());
       // As OpenCV turns a JPEG.
       const std::string jpeg = with_exif(encoded(".jpg", test_picture(CV_8UC3)), exif);
       const std::filesystem::path photograph = file("a.jpg", jpeg);
-      const cv::Mat ours = read_image(photograph, ImageColour::bgr, ImageOrientation::upright);
+      const cv::Mat ours = test::read_mat(photograph, ImageColour::bgr, ImageOrientation::upright);
       const cv::Mat theirs = cv::imread(photograph.string(), cv::IMREAD_COLOR);
       ASSERT_EQ(ours.size(), theirs.size()) << value;
       EXPECT_EQ(cv::norm(ours, theirs, cv::NORM_INF), 0.0) << value;
@@ -257,34 +260,34 @@ TEST_F(ImageFile, SixteenBitImagesAreReadWithAllTheirBits) {
   const std::filesystem::path plain = file("a.png", bytes);
   EXPECT_EQ(read_image_info(plain).bit_depth, 16);
   EXPECT_EQ(read_image_info(plain).significant_bits, 16);
-  const cv::Mat read = read_stored_image(plain, ImageColour::grey);
+  const cv::Mat read = test::to_mat(read_stored_image(plain, ImageColour::grey));
   ASSERT_EQ(read.type(), CV_16UC1);
   EXPECT_EQ(cv::norm(read, image, cv::NORM_INF), 0.0);
-  EXPECT_EQ(read_stored_image(plain, ImageColour::bgr).type(), CV_16UC3);
+  EXPECT_EQ(test::to_mat(read_stored_image(plain, ImageColour::bgr)).type(), CV_16UC3);
   bytes.insert(33, png_chunk("sBIT", "\x0A"));
   EXPECT_EQ(read_image_info(file("b.png", bytes)).significant_bits, 10);
-  EXPECT_EQ(read_stored_image(folder_ / "b.png", ImageColour::grey).at<std::uint16_t>(4, 5), 0x03FF);
+  EXPECT_EQ(read_stored_image(folder_ / "b.png", ImageColour::grey).words.at(5, 4), 0x03FF);
 }
 
 TEST_F(ImageFile, NetpbmImagesAreRead) {
   const cv::Mat image = test_picture(CV_8UC1), colour = test_picture(CV_8UC3);
   for (const int binary : {0, 1}) {
     const std::vector<int> settings = {cv::IMWRITE_PXM_BINARY, binary};
-    const cv::Mat grey = read_image(file("a.PGM", encoded(".pgm", image, settings)), ImageColour::grey);
+    const cv::Mat grey = test::read_mat(file("a.PGM", encoded(".pgm", image, settings)), ImageColour::grey);
     EXPECT_EQ(cv::norm(grey, image, cv::NORM_INF), 0.0) << binary;
-    const cv::Mat bgr = read_image(file("a.ppm", encoded(".ppm", colour, settings)), ImageColour::bgr);
+    const cv::Mat bgr = test::read_mat(file("a.ppm", encoded(".ppm", colour, settings)), ImageColour::bgr);
     EXPECT_EQ(cv::norm(bgr, colour, cv::NORM_INF), 0.0) << binary;
   }
   const cv::Mat text =
-      read_image(file("t.pgm", "P2 # of a tool\n3 # wide\n1\n100\n0 50\n100 "), ImageColour::bgr);
+      test::read_mat(file("t.pgm", "P2 # of a tool\n3 # wide\n1\n100\n0 50\n100 "), ImageColour::bgr);
   ASSERT_EQ(text.type(), CV_8UC3);
   EXPECT_EQ(text.at<cv::Vec3b>(0, 1), cv::Vec3b(128, 128, 128));
   const std::filesystem::path wide = file("w.pgm", std::string("P5 2 1 1023\n\x03\xFF\x01\x23", 16));
-  EXPECT_EQ(read_stored_image(wide, ImageColour::grey).at<std::uint16_t>(0, 1), 0x123);
-  EXPECT_EQ(read_image(wide, ImageColour::grey).at<unsigned char>(0, 0), 255);
-  EXPECT_EQ(read_image(wide, ImageColour::grey).at<unsigned char>(0, 1), 0x123 >> 2);
+  EXPECT_EQ(read_stored_image(wide, ImageColour::grey).words.at(1, 0), 0x123);
+  EXPECT_EQ(read_image(wide, ImageColour::grey).at(0, 0), 255);
+  EXPECT_EQ(read_image(wide, ImageColour::grey).at(1, 0), 0x123 >> 2);
   EXPECT_EQ(read_image_info(wide).significant_bits, 10);
-  EXPECT_EQ(read_depth_image(wide)(0, 0), 1023);
+  EXPECT_EQ(read_depth_image(wide).at(0, 0), 1023);
 }
 
 TEST_F(ImageFile, NetpbmImagesThatAreTornOrInconsistentAreRefused) {
@@ -302,16 +305,16 @@ TEST_F(ImageFile, NetpbmImagesThatAreTornOrInconsistentAreRefused) {
 
 TEST_F(ImageFile, BmpImagesAreRead) {
   const cv::Mat image = test_picture(CV_8UC1), colour = test_picture(CV_8UC3);
-  const cv::Mat grey = read_image(file("a.BMP", encoded(".bmp", image)), ImageColour::grey);
+  const cv::Mat grey = test::read_mat(file("a.BMP", encoded(".bmp", image)), ImageColour::grey);
   EXPECT_EQ(cv::norm(grey, image, cv::NORM_INF), 0.0);
   std::string bytes = encoded(".bmp", colour);
-  const cv::Mat bgr = read_image(file("a.bmp", bytes), ImageColour::bgr);
+  const cv::Mat bgr = test::read_mat(file("a.bmp", bytes), ImageColour::bgr);
   EXPECT_EQ(cv::norm(bgr, colour, cv::NORM_INF), 0.0);
   const int top_down = -colour.rows;
   bytes.replace(22, 4, std::string(reinterpret_cast<const char*>(&top_down), 4));
   cv::Mat flipped;
   cv::flip(colour, flipped, 0);
-  EXPECT_EQ(cv::norm(read_image(file("b.bmp", bytes), ImageColour::bgr), flipped, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(test::read_mat(file("b.bmp", bytes), ImageColour::bgr), flipped, cv::NORM_INF), 0.0);
   for (std::size_t size = 18; size < bytes.size(); size += size < 60 ? 1 : 97) {
     expect_refused("torn.bmp", bytes.substr(0, size), {"torn"});
   }
@@ -338,7 +341,7 @@ TEST_F(ImageFile, OtherFormatsAreNamedWithWhatConvertsThem) {
 
 TEST(ImageFileRealData, KittiImagesAreRead) {
   PENUMBRA_REAL_DATA(path, "kitti/sequences/00/image_0/000000.png");
-  const cv::Mat ours = read_image(path, ImageColour::grey);
+  const cv::Mat ours = test::read_mat(path, ImageColour::grey);
   EXPECT_EQ(cv::norm(ours, cv::imread(path.string(), cv::IMREAD_GRAYSCALE), cv::NORM_INF), 0.0);
 }
 

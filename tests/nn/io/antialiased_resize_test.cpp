@@ -16,7 +16,7 @@ namespace {
 TEST(AntialiasedResize, EqualsPillowInEveryPixel) {
   std::ifstream file(test::fixture("classifier/pillow_resize.json"));
   for (const nlohmann::json& expected : nlohmann::json::parse(file)) {
-    const cv::Mat image = test::random_image(expected["seed"], expected["image"][0], expected["image"][1]);
+    const ByteImage image = test::random_image(expected["seed"], expected["image"][0], expected["image"][1]);
     const std::vector<int> w = expected["window"];
     Arena arena;
     const ArenaVector<std::uint8_t> found = antialiased_resize(
@@ -27,7 +27,7 @@ TEST(AntialiasedResize, EqualsPillowInEveryPixel) {
 }
 
 TEST(AntialiasedResize, WindowsOutsideTheResultAreAnError) {
-  const cv::Mat image = test::random_image(1, 8, 8);
+  const ByteImage image = test::random_image(1, 8, 8);
   Arena arena;
   EXPECT_THROW(antialiased_resize(image, {4, 4}, {1, 0, 4, 4}, arena), InputError);
   EXPECT_THROW(antialiased_resize(image, {4, 4}, {}, arena), InputError);

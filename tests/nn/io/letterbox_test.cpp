@@ -6,6 +6,8 @@
 #include <random>
 
 #include "nn/base/error.h"
+#include "nn/image/colour.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/random_network.h"
 #include "tests/support/tensors.h"
 
@@ -17,7 +19,9 @@ constexpr float kGrey = 114.0F / 255.0F;
 TEST(Letterbox, FramesTheImageUpToTheNextMultipleOfTheStride) {
   Arena arena;
   // 427 x 640 keeps its size; 448 - 427 = 21 columns of frame, 10 on the left.
-  const cv::Mat3b tall_image(640, 427, {10, 20, 30});
+  ByteImage tall_image(427, 640, 3);
+  for (std::size_t i = 0; i < tall_image.elements(); ++i)
+    tall_image.data()[i] = static_cast<std::uint8_t>(10 * (i % 3 + 1));
   const LetterboxFrame tall = letterbox_frame(tall_image, {});
   const FeatureMap tall_map = letterbox_image(tall_image, {}, arena, 0);
   EXPECT_EQ(tall_map.width(), 448);
@@ -29,7 +33,7 @@ TEST(Letterbox, FramesTheImageUpToTheNextMultipleOfTheStride) {
   EXPECT_FLOAT_EQ(tall_map.pixel(0, 0, 639, 436)[2], 10.0F / 255.0F);
   EXPECT_FLOAT_EQ(tall_map.pixel(0, 0, 639, 437)[2], kGrey);
   // 1241 x 376 shrinks to 640 x 194, framed to 224 rows.
-  const cv::Mat1b wide_image(376, 1241, std::uint8_t{51});
+  const ByteImage wide_image = ByteImage::filled(1241, 376, 51);
   const LetterboxFrame wide = letterbox_frame(wide_image, {});
   const FeatureMap wide_map = letterbox_image(wide_image, {}, arena, 2);
   EXPECT_EQ(wide.width, 640);
@@ -44,15 +48,14 @@ TEST(Letterbox, FramesTheImageUpToTheNextMultipleOfTheStride) {
 TEST(Letterbox, ResizesToTheBytesOfOpenCv) {
   std::mt19937 random(3);
   for (int round = 0; round < 60; ++round) {
-    const cv::Mat colour = test::random_image(static_cast<std::uint32_t>(round), test::pick(random, 1, 150),
-                                              test::pick(random, 1, 150));
-    cv::Mat image = colour;
-    if (round % 3 == 0) cv::extractChannel(colour, image, 1);
+    const int width = test::pick(random, 1, 150), height = test::pick(random, 1, 150);
+    ByteImage image = test::random_image(static_cast<std::uint32_t>(round), width, height);
+    if (round % 3 == 0) image = with_channels(image, 1);
     Letterbox letterbox;
-    letterbox.size = round % 5 == 0 ? std::max(image.cols, image.rows) / 2 + 1 : test::pick(random, 1, 130);
+    letterbox.size = round % 5 == 0 ? std::max(width, height) / 2 + 1 : test::pick(random, 1, 130);
     const LetterboxFrame frame = letterbox_frame(image, letterbox);
     cv::Mat expected;
-    cv::resize(image, expected, {frame.width, frame.height}, 0, 0, cv::INTER_LINEAR);
+    cv::resize(test::to_mat(image), expected, {frame.width, frame.height}, 0, 0, cv::INTER_LINEAR);
     Arena arena;
     const FeatureMap map = letterbox_image(image, letterbox, arena, 0);
     int different = 0;
@@ -65,18 +68,17 @@ TEST(Letterbox, ResizesToTheBytesOfOpenCv) {
         }
       }
     }
-    EXPECT_EQ(different, 0) << image.cols << " x " << image.rows << " to " << frame.width << " x "
-                            << frame.height;
+    EXPECT_EQ(different, 0) << width << " x " << height << " to " << frame.width << " x " << frame.height;
   }
 }
 
 TEST(Letterbox, TakesThinImagesAndRefusesEmptyOnes) {
   Arena arena;
-  const cv::Mat1b thin(1, 5000, std::uint8_t{0});
+  const ByteImage thin = ByteImage::filled(5000, 1, 0);
   EXPECT_EQ(letterbox_frame(thin, {}).height, 1);
   EXPECT_EQ(letterbox_image(thin, {}, arena, 0).height(), 32);
   EXPECT_THROW(letterbox_image({}, {}, arena, 0), InputError);
-  EXPECT_THROW(letterbox_image(cv::Mat(4, 4, CV_16UC1), {}, arena, 0), InputError);
+  EXPECT_THROW(letterbox_image(ByteImage::filled(4, 4, 0, 2), {}, arena, 0), InputError);
 }
 
 }  // namespace

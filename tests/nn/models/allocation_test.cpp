@@ -21,14 +21,15 @@ TEST(Allocations, AreCounted) {
 }
 
 // Masks as large as the image, so that the results need no more memory whatever is found.
-std::vector<Detection> room_for_results(const InstanceSegmenter& network, const cv::Mat& image) {
+std::vector<Detection> room_for_results(const InstanceSegmenter& network, const ByteImage& image) {
   std::vector<Detection> detections(network.has_masks() ? 100 : 0);
-  for (Detection& detection : detections) detection.mask.bits.resize(image.total());
+  for (Detection& detection : detections)
+    detection.mask.bits.resize(image.size().width * image.size().height);
   return detections;
 }
 
 void expect_no_allocations(const InstanceSegmenter& network) {
-  const cv::Mat first = test::random_image(4, 90, 70), second = test::random_image(5, 90, 70);
+  const ByteImage first = test::random_image(4, 90, 70), second = test::random_image(5, 90, 70);
   Arena arena;
   std::vector<Detection> found = room_for_results(network, first);
   network.detect(first, arena, found);
@@ -48,7 +49,7 @@ void expect_no_allocations(const InstanceSegmenter& network) {
   network.detect(second, arena, others);
   EXPECT_EQ(test::allocation_count(), before);
   // A blank one, in which little or nothing is found.
-  const cv::Mat3b blank(first.size(), cv::Vec3b());
+  const ByteImage blank = ByteImage::filled(first.width(), first.height(), 0, 3);
   before = test::allocation_count();
   network.detect(blank, arena, others);
   EXPECT_EQ(test::allocation_count(), before);
@@ -85,8 +86,8 @@ TEST(Allocations, ClassifierMakesNoneFromTheSecondImageOn) {
   const Classifier network(test::random_resnet(50, 8));
   Arena arena;
   std::vector<float> logits;
-  const cv::Mat image = test::random_image(4, 90, 70);
-  const cv::Mat3b blank(image.size(), cv::Vec3b());
+  const ByteImage image = test::random_image(4, 90, 70);
+  const ByteImage blank = ByteImage::filled(image.width(), image.height(), 0, 3);
   network(image, arena, logits);
   const std::vector<float> expected = logits;
   const std::size_t before = test::allocation_count();

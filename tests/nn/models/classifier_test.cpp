@@ -32,7 +32,7 @@ TEST(Classifier, EveryDepthAndWidthGivesTorchvisionsLogits) {
     SCOPED_TRACE(network.name());
     EXPECT_EQ(network.name(), fmt::format("ResNet-{}", expected["depth"].get<int>()));
     Arena arena;
-    const cv::Mat image = test::random_image(expected["seed"], expected["image"][0], expected["image"][1]);
+    const ByteImage image = test::random_image(expected["seed"], expected["image"][0], expected["image"][1]);
     const std::vector<float> logits = network(image, arena);
     const std::vector<float> wanted = expected["logits"];
     ASSERT_EQ(logits.size(), wanted.size());
@@ -65,11 +65,11 @@ TEST(Classifier, ImageNetPhotographsGetPyTorchsClassesAndLogits) {
 TEST(Classifier, ImagesOfAnyShapeAreTaken) {
   const Classifier network(test::random_resnet(18, 8));
   Arena arena;
-  for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 30000), cv::Size(30000, 1), cv::Size(256, 256)}) {
-    EXPECT_EQ(network(cv::Mat1b(size, std::uint8_t{7}), arena).size(), 10U);
+  for (const Size size : {Size{1, 1}, Size{1, 30000}, Size{30000, 1}, Size{256, 256}}) {
+    EXPECT_EQ(network(ByteImage::filled(size.width, size.height, 7), arena).size(), 10U);
   }
-  EXPECT_THROW(network(cv::Mat(), arena), InputError);
-  EXPECT_THROW(network(cv::Mat(4, 4, CV_32FC3), arena), InputError);
+  EXPECT_THROW(network(ByteImage(), arena), InputError);
+  EXPECT_THROW(network(ByteImage::filled(4, 4, 0, 2), arena), InputError);
 }
 
 TEST(Classifier, OneErrorListsEveryTensorThatDoesNotFit) {

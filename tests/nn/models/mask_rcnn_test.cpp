@@ -42,7 +42,7 @@ struct Tolerance {
 // Every expected detection has one of ours, and we find none that is not expected. The fixtures leave out low
 // scores: near the score threshold and the end of the list of 100, rounding decides which detections there
 // are.
-void expect_same(const std::vector<Detection>& found, const nlohmann::json& expected, const cv::Size& image,
+void expect_same(const std::vector<Detection>& found, const nlohmann::json& expected, const Size& image,
                  const Tolerance& tolerance) {
   for (std::size_t i = 0; i < expected["scores"].size(); ++i) {
     const float score = expected["scores"][i];
@@ -77,7 +77,7 @@ void compare_random_network(bool attention, const MaskRcnnConfig& config, const 
   MaskRcnn network(test::random_mask_rcnn(attention), config);
   EXPECT_EQ(network.has_attention(), attention);
   for (const nlohmann::json& expected : read_fixture(fixture)) {
-    const cv::Mat image = test::random_image(expected["seed"], expected["width"], expected["height"]);
+    const ByteImage image = test::random_image(expected["seed"], expected["width"], expected["height"]);
     SCOPED_TRACE(expected["seed"]);
     EXPECT_GT(expected["scores"].size(), 5U);
     expect_same(network(image), expected, image.size(), kTolerance);
@@ -114,7 +114,7 @@ TEST(MaskRcnn, TrainedWeightsFindWhatTorchvisionFindsOnRealImages) {
   for (const nlohmann::json& expected : read_fixture("trained.json")) {
     PENUMBRA_REAL_DATA(path, expected["image"].get<std::string>());
     SCOPED_TRACE(path);
-    const cv::Mat image = read_image(path, ImageColour::bgr);
+    const ByteImage image = read_image(path, ImageColour::bgr);
     expect_same(network(image), expected, image.size(), kTolerance);
   }
 }
@@ -125,7 +125,7 @@ TEST(MaskRcnn, TheSmallNetworkOfTheStreetFindsWhatPyTorchFinds) {
   EXPECT_TRUE(network.has_attention());
   for (const nlohmann::json& expected : read_fixture("tiny.json")) {
     const auto path = test::fixture("mask_rcnn/" + expected["image"].get<std::string>());
-    const cv::Mat image = read_image(path, ImageColour::bgr);
+    const ByteImage image = read_image(path, ImageColour::bgr);
     EXPECT_GT(expected["scores"].size(), 5U);
     expect_same(network(image), expected, image.size(), kTolerance);
   }
@@ -142,26 +142,26 @@ TEST(MaskRcnn, AttentionLeftOutIsTheBaselineBitForBit) {
   std::erase_if(weights.tensors,
                 [](const auto& entry) { return entry.first.find("attention") != std::string::npos; });
   MaskRcnn baseline(weights, small_detector());
-  const cv::Mat image = test::random_image(3, 80, 60);
+  const ByteImage image = test::random_image(3, 80, 60);
   test::expect_same_bits(without(image), baseline(image));
 }
 
 TEST(MaskRcnn, RepeatsBitForBitOnAnyNumberOfThreads) {
   MaskRcnn network(test::random_mask_rcnn(true), small_detector());
-  const cv::Mat image = test::random_image(4, 90, 70);
+  const ByteImage image = test::random_image(4, 90, 70);
   EXPECT_FALSE(network(image).empty());
   test::expect_repeats_on_any_number_of_threads(network, image);
 }
 
 TEST(MaskRcnn, ImagesOfAnyShapeAreTaken) {
   MaskRcnn network(test::random_mask_rcnn(false), small_detector());
-  for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 300), cv::Size(300, 1), cv::Size(64, 64)}) {
+  for (const Size size : {Size{1, 1}, Size{1, 300}, Size{300, 1}, Size{64, 64}}) {
     EXPECT_LE(network(test::random_image(1, size.width, size.height)).size(), 100U)
         << size.width << " x " << size.height;
-    EXPECT_LE(network(cv::Mat1b(size, std::uint8_t{0})).size(), 100U);
+    EXPECT_LE(network(ByteImage::filled(size.width, size.height, 0)).size(), 100U);
   }
-  EXPECT_THROW(network(cv::Mat()), InputError);
-  EXPECT_THROW(network(cv::Mat(4, 4, CV_32FC3)), InputError);
+  EXPECT_THROW(network(ByteImage()), InputError);
+  EXPECT_THROW(network(ByteImage::filled(4, 4, 0, 2)), InputError);
 }
 
 // NaN weights are refused when the network is made; large ones make NaN of the activations.

@@ -45,9 +45,9 @@ TEST(Yolov5, RandomWeightsGiveTheRowsAndPrototypesOfPyTorch) {
     EXPECT_EQ(network.shape().classes, classes);
     EXPECT_EQ(network.has_masks(), expected["masks"].get<bool>());
     Arena arena;
-    const cv::Mat image = test::random_image(expected["seed"], expected["size"][0], expected["size"][1]);
+    const ByteImage image = test::random_image(expected["seed"], expected["size"][0], expected["size"][1]);
     Letterbox letterbox;
-    letterbox.size = std::max(image.cols, image.rows);  // as it is
+    letterbox.size = std::max(image.width(), image.height());  // as it is
     const Yolov5Output output =
         network.forward(letterbox_image(image, letterbox, arena, Yolov5Features::kImageBorder), arena);
 
@@ -97,7 +97,7 @@ TEST(Yolov5, PublishedWeightsFindWhatPyTorchFindsOnRealImages) {
     config.score_threshold = 0.25F;
     Yolov5 network(weights_tools::load_weights(checkpoint), config);
     EXPECT_EQ(network.classes(), 91);
-    const cv::Mat image = read_image(path, ImageColour::bgr);
+    const ByteImage image = read_image(path, ImageColour::bgr);
     const std::vector<Detection> found = network(image);
     const std::size_t count = expected["scores"].size();
     ASSERT_EQ(found.size(), count);
@@ -112,7 +112,7 @@ TEST(Yolov5, PublishedWeightsFindWhatPyTorchFindsOnRealImages) {
       EXPECT_EQ(match->mask.bits.empty(), !expected.contains("masks"));
       if (!expected.contains("masks")) continue;
       const std::vector<std::uint32_t> runs = expected["masks"][i];
-      EXPECT_GT(test::mask_iou(mask_runs(match->mask, image.cols, image.rows), runs), 0.998);
+      EXPECT_GT(test::mask_iou(mask_runs(match->mask, image.width(), image.height()), runs), 0.998);
     }
   }
 }
@@ -126,9 +126,9 @@ TEST(Yolov5, AveragePrecisionOnCocoIsTheOneExpected) {
   CocoResultsWriter writer;
   for (const CocoImage& entry : annotations.images) {
     const auto id = std::get<std::int64_t>(entry.id);
-    const cv::Mat image = read_image(folder / "images" / fmt::format("{:012}.jpg", id), ImageColour::bgr);
+    const ByteImage image = read_image(folder / "images" / fmt::format("{:012}.jpg", id), ImageColour::bgr);
     for (const Detection& detection : network(image)) {
-      writer.add(id, detection.label, detection, image.cols, image.rows);
+      writer.add(id, detection.label, detection, image.width(), image.height());
     }
   }
   const test::TemporaryDirectory scratch;
@@ -140,7 +140,7 @@ TEST(Yolov5, AveragePrecisionOnCocoIsTheOneExpected) {
 
 TEST(Yolov5, RepeatsBitForBitOnAnyNumberOfThreads) {
   Yolov5 network(test::random_yolov5({0.125, 1.0 / 3.0, 4, true, false}));
-  const cv::Mat image = test::random_image(4, 90, 70);
+  const ByteImage image = test::random_image(4, 90, 70);
   EXPECT_FALSE(network(image).empty());
   test::expect_repeats_on_any_number_of_threads(network, image);
 }
@@ -149,7 +149,7 @@ TEST(Yolov5, ImagesOfAnyShapeAreTakenAndDetectionsLieInsideThem) {
   Yolov5Config config;
   config.letterbox.size = 96;
   Yolov5 network(test::random_yolov5({0.125, 1.0 / 3.0, 2, true, true}), config);
-  for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 3000), cv::Size(3000, 1), cv::Size(96, 64)}) {
+  for (const Size size : {Size{1, 1}, Size{1, 3000}, Size{3000, 1}, Size{96, 64}}) {
     for (const Detection& d : network(test::random_image(1, size.width, size.height))) {
       EXPECT_TRUE(d.box.x1 >= 0 && d.box.y1 >= 0 && d.box.x2 <= static_cast<float>(size.width) &&
                   d.box.y2 <= static_cast<float>(size.height));
@@ -157,10 +157,10 @@ TEST(Yolov5, ImagesOfAnyShapeAreTakenAndDetectionsLieInsideThem) {
       EXPECT_LE(d.mask.y + d.mask.height, size.height);
       EXPECT_TRUE(d.label >= 1 && d.label < network.classes());
     }
-    EXPECT_NO_THROW(network(cv::Mat1b(size, std::uint8_t{0})));
+    EXPECT_NO_THROW(network(ByteImage::filled(size.width, size.height, 0)));
   }
-  EXPECT_THROW(network(cv::Mat()), InputError);
-  EXPECT_THROW(network(cv::Mat(4, 4, CV_32FC3)), InputError);
+  EXPECT_THROW(network(ByteImage()), InputError);
+  EXPECT_THROW(network(ByteImage::filled(4, 4, 0, 2)), InputError);
 }
 
 // NaN weights are refused when the network is made; large ones make NaN of the activations.

@@ -66,10 +66,11 @@ class Street {
     Instance instance;
     instance.class_name = name;
     instance.score = 0.9F;
+    const auto whole = [](double pixel) { return static_cast<int>(std::lrint(pixel)); };
+    const int x = whole(corner.x()), y = whole(corner.y());
     instance.region =
-        cv::Rect(cv::Point(cv::Point2d(corner.x(), corner.y())), cv::Point(cv::Point2d(end.x(), end.y()))) &
-        cv::Rect(0, 0, camera_.width, camera_.height);
-    instance.mask = cv::Mat1b(instance.region.size(), std::uint8_t{255});
+        intersection({x, y, whole(end.x()) - x, whole(end.y()) - y}, {0, 0, camera_.width, camera_.height});
+    instance.mask = ByteImage::filled(instance.region.width, instance.region.height, 255);
     return instance;
   }
 
@@ -244,8 +245,8 @@ TEST(InstanceTracker, IgnoresWeakInstancesAndForgottenFrames) {
   drive.tracker.add(3, {weak});
   drive.tracker.add(77, {drive.street.instance(3, "car")});
   Instance empty = drive.street.instance(3, "car");
-  empty.region = cv::Rect(0, 0, 4, 4);
-  empty.mask = cv::Mat1b(4, 4, std::uint8_t{255});
+  empty.region = {0, 0, 4, 4};
+  empty.mask = ByteImage::filled(4, 4, 255);
   drive.tracker.add(3, {empty});
   EXPECT_TRUE(drive.tracker.instances().empty());
 }

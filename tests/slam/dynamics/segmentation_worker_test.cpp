@@ -11,7 +11,7 @@
 namespace penumbra::slam {
 namespace {
 
-std::vector<Instance> one_instance(int frame, const cv::Mat& /*image*/) {
+std::vector<Instance> one_instance(int frame, const ByteImage& /*image*/) {
   Instance instance;
   instance.class_id = frame;
   return {instance};
@@ -19,8 +19,8 @@ std::vector<Instance> one_instance(int frame, const cv::Mat& /*image*/) {
 
 TEST(SegmentationWorker, InLineHandsOverAtTheNextTake) {
   SegmentationWorker worker(one_instance, /*threaded=*/false);
-  worker.submit(4, cv::Mat());
-  worker.submit(5, cv::Mat());
+  worker.submit(4, ByteImage());
+  worker.submit(5, ByteImage());
   const std::vector<SegmentedFrame> found = worker.take();
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].frame, 4);
@@ -33,15 +33,15 @@ TEST(SegmentationWorker, TheNewestImageWins) {
   std::shared_future<void> released = release.get_future().share();
   std::atomic<bool> started = false;
   SegmentationWorker worker(
-      [&](int frame, const cv::Mat& image) {
+      [&](int frame, const ByteImage& image) {
         started = true;
         released.wait();
         return one_instance(frame, image);
       },
       /*threaded=*/true);
-  worker.submit(1, cv::Mat());
+  worker.submit(1, ByteImage());
   while (!started) std::this_thread::yield();
-  for (int frame = 2; frame < 6; ++frame) worker.submit(frame, cv::Mat());
+  for (int frame = 2; frame < 6; ++frame) worker.submit(frame, ByteImage());
   EXPECT_TRUE(worker.take().empty());  // nobody waited
   release.set_value();
   worker.drain();
@@ -56,30 +56,30 @@ TEST(SegmentationWorker, ItsNetworkHasTheThreadsThatItIsGiven) {
   const int before = omp_get_max_threads();
   int seen = 0;
   SegmentationWorker worker(
-      [&](int, const cv::Mat&) {
+      [&](int, const ByteImage&) {
         seen = omp_get_max_threads();
         return std::vector<Instance>{};
       },
       /*threaded=*/true, before + 2);
-  worker.submit(0, cv::Mat());
+  worker.submit(0, ByteImage());
   worker.drain();
   EXPECT_EQ(seen, before + 2);
   EXPECT_EQ(omp_get_max_threads(), before);  // of the caller's loops
 }
 
 TEST(SegmentationWorker, PassesErrorsOn) {
-  const auto fails = [](int, const cv::Mat&) -> std::vector<Instance> { throw Error("no masks today"); };
+  const auto fails = [](int, const ByteImage&) -> std::vector<Instance> { throw Error("no masks today"); };
   SegmentationWorker in_line(fails, false);
-  EXPECT_THROW(in_line.submit(0, cv::Mat()), Error);
+  EXPECT_THROW(in_line.submit(0, ByteImage()), Error);
   SegmentationWorker threaded(fails, true);
-  threaded.submit(0, cv::Mat());
+  threaded.submit(0, ByteImage());
   EXPECT_THROW(threaded.drain(), Error);
 }
 
 TEST(SegmentationWorker, WithoutASegmenterFindsNothing) {
   SegmentationWorker worker({}, true);
   EXPECT_FALSE(worker.enabled());
-  worker.submit(0, cv::Mat());
+  worker.submit(0, ByteImage());
   worker.drain();
   EXPECT_TRUE(worker.take().empty());
 }

@@ -6,6 +6,7 @@
 
 #include "nn/base/error.h"
 #include "slam/evaluation/matching_plot.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam {
 namespace {
@@ -21,7 +22,7 @@ StereoImages wall(double x) {
   cv::normalize(big, big, 0, 255, cv::NORM_MINMAX);
   // From the right, half a metre on, it is 75 pixels further to the left.
   const cv::Rect window(100 + cvRound(x * 150.0), 80, 320, 240);
-  return {0, x, big(window).clone(), big(window + cv::Point(75, 0)).clone(), {}};
+  return {0, x, test::byte_image(big(window)), test::byte_image(big(window + cv::Point(75, 0))), {}};
 }
 
 SE3 at(double x) { return {Eigen::Matrix3d::Identity(), {x, 0.0, 0.0}}; }
@@ -89,7 +90,7 @@ TEST(MatchingEvaluation, ImagesWithoutFeaturesHaveNoPairs) {
   MatchingEvaluation evaluation(kCamera, {});
   for (int i = 0; i < 2; ++i) {
     StereoImages images;
-    images.left = cv::Mat(240, 320, CV_8UC1, cv::Scalar(128));
+    images.left = ByteImage::filled(320, 240, 128);
     evaluation.add(images, at(0.1 * i));
   }
   for (const MatchingMethod method : kMatchingMethods) {
@@ -101,8 +102,9 @@ TEST(MatchingEvaluation, ImagesWithoutFeaturesHaveNoPairs) {
 TEST(MatchingPlot, ShowsEveryPanelInItsColours) {
   DisplacementHistogram histogram;
   histogram.bins[5] = {900, 100, 50, 400};
-  const cv::Mat one = draw_displacements("title", {{"first", histogram}});
-  const cv::Mat two = draw_displacements("title", {{"first", histogram}, {"second", {}}});
+  const cv::Mat one = test::to_mat(draw_displacements("title", {{"first", histogram}}).picture());
+  const cv::Mat two =
+      test::to_mat(draw_displacements("title", {{"first", histogram}, {"second", {}}}).picture());
   EXPECT_EQ(one.cols, two.cols);
   EXPECT_GT(two.rows, one.rows);
   for (const cv::Scalar& colour : {cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213)}) {

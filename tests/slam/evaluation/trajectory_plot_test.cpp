@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "nn/base/error.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/trajectories.h"
 
@@ -32,6 +34,8 @@ cv::Rect extent_of(const cv::Mat& picture, const cv::Vec3b& colour) {
   return {low, high + cv::Point(1, 1)};
 }
 
+cv::Mat drawn(const PlotCanvas& plot) { return test::to_mat(plot.picture()); }
+
 void expect_picture(const cv::Mat& picture) {
   EXPECT_EQ(picture.type(), CV_8UC3);
   for (const int side : {picture.cols, picture.rows}) {
@@ -43,7 +47,7 @@ void expect_picture(const cv::Mat& picture) {
 TEST(TrajectoryPlot, XIsToTheRightZUpAndTheScaleEqual) {
   // A square of 30 m, from the lower left corner counter-clockwise; y must not matter.
   const Trajectory square = path_through({{0, 5, 0}, {30, -7, 0}, {30, 2, 30}, {0, 90, 30}});
-  const cv::Mat picture = draw_trajectories(square, {});
+  const cv::Mat picture = drawn(draw_trajectories(square, {}));
   expect_picture(picture);
   const cv::Rect start = extent_of(picture, kStart), end = extent_of(picture, kEnd);
   const cv::Rect path = extent_of(picture, kEstimate);
@@ -59,25 +63,36 @@ TEST(TrajectoryPlot, PlaneXyLooksAlongZ) {
   const Trajectory path = path_through({{0, 0, 0}, {0, 10, 90}});
   TrajectoryPlotOptions options;
   options.plane = PlotPlane::xy;
-  const cv::Mat picture = draw_trajectories(path, {}, options);
+  const cv::Mat picture = drawn(draw_trajectories(path, {}, options));
   EXPECT_GT(extent_of(picture, kStart).y, extent_of(picture, kEnd).y);
 }
 
 TEST(TrajectoryPlot, GroundTruthShowsBesideTheEstimate) {
   const cv::Mat picture =
-      draw_trajectories(path_through({{0, 0, 0}, {0, 0, 50}}), path_through({{5, 0, 0}, {5, 0, 50}}));
+      drawn(draw_trajectories(path_through({{0, 0, 0}, {0, 0, 50}}), path_through({{5, 0, 0}, {5, 0, 50}})));
   expect_picture(picture);
   EXPECT_FALSE(extent_of(picture, kTruth).empty());
   EXPECT_FALSE(extent_of(picture, kEstimate).empty());
 }
 
 TEST(TrajectoryPlot, OnePoseAndExtremeShapesAreDrawn) {
-  expect_picture(draw_trajectories(path_through({{1, 2, 3}}), {}));
-  expect_picture(draw_trajectories(path_through({{0, 0, 0}, {1e6, 0, 0}}), {}));
-  expect_picture(draw_trajectories(path_through({{0, 0, 0}, {0, 0, 1e-6}}), {}));
-  expect_picture(draw_trajectories(path_through({{1e12, 0, 1e12}, {1e12 + 1, 0, 1e12}}), {}));
-  expect_picture(draw_trajectories(path_through({{1e18, 0, 1e18}, {1e18, 0, 1e18}}), {}));
-  expect_picture(draw_trajectories(path_through({{-1e150, 0, 0}, {1e150, 0, 3}}), {}));
+  expect_picture(drawn(draw_trajectories(path_through({{1, 2, 3}}), {})));
+  expect_picture(drawn(draw_trajectories(path_through({{0, 0, 0}, {1e6, 0, 0}}), {})));
+  expect_picture(drawn(draw_trajectories(path_through({{0, 0, 0}, {0, 0, 1e-6}}), {})));
+  expect_picture(drawn(draw_trajectories(path_through({{1e12, 0, 1e12}, {1e12 + 1, 0, 1e12}}), {})));
+  expect_picture(drawn(draw_trajectories(path_through({{1e18, 0, 1e18}, {1e18, 0, 1e18}}), {})));
+  expect_picture(drawn(draw_trajectories(path_through({{-1e150, 0, 0}, {1e150, 0, 3}}), {})));
+}
+
+TEST(TrajectoryPlot, TheSvgHoldsThePathAndItsWordsEscaped) {
+  TrajectoryPlotOptions options;
+  options.title = "a < b & \"c\"";
+  const std::string svg = draw_trajectories(path_through({{0, 0, 0}, {0, 0, 50}}), {}, options).svg();
+  EXPECT_TRUE(svg.starts_with("<svg xmlns=")) << svg.substr(0, 80);
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  for (const char* part :
+       {"a &lt; b &amp; &quot;c&quot;", "<polyline", "stroke=\"#0072b2\"", ">start<", ">x (m)<"})
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
 }
 
 TEST(TrajectoryPlot, WhatCannotBeDrawnIsRefused) {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "nn/base/error.h"
 #include "tests/support/expect_error.h"
@@ -39,20 +39,27 @@ Eigen::Vector2d project(const LensCamera& c, const Eigen::Vector3d& p) {
 }
 
 // An image with a soft dot, and where it is.
-cv::Mat dot(const LensCamera& camera, const Eigen::Vector2d& at) {
-  cv::Mat image(camera.height, camera.width, CV_8UC1);
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      image.at<uchar>(y, x) = cv::saturate_cast<uchar>(
-          250.0 * std::exp(-(std::pow(x - at.x(), 2) + std::pow(y - at.y(), 2)) / 18.0));
+ByteImage dot(const LensCamera& camera, const Eigen::Vector2d& at) {
+  ByteImage image(camera.width, camera.height);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      image.at(x, y) = static_cast<std::uint8_t>(
+          std::lrint(250.0 * std::exp(-(std::pow(x - at.x(), 2) + std::pow(y - at.y(), 2)) / 18.0)));
     }
   }
   return image;
 }
 
-Eigen::Vector2d centroid(const cv::Mat& image) {
-  const cv::Moments m = cv::moments(image);
-  return {m.m10 / m.m00, m.m01 / m.m00};
+Eigen::Vector2d centroid(const ByteImage& image) {
+  double sum = 0.0;
+  Eigen::Vector2d weighted = Eigen::Vector2d::Zero();
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      sum += image.at(x, y);
+      weighted += image.at(x, y) * Eigen::Vector2d(x, y);
+    }
+  }
+  return weighted / sum;
 }
 
 class Rectification : public testing::TestWithParam<LensModel> {};
@@ -66,8 +73,8 @@ TEST_P(Rectification, PointsAppearWhereThePinholePairSeesThem) {
   const StereoRectification r = rectify_stereo(left, right, T_right_left, "test");
   EXPECT_NEAR(r.camera.baseline, T_right_left.translation.norm(), 1e-12);
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.0, 0.0, 2.0), {-0.5, 0.3, 2.5}, {0.6, -0.4, 3.0}}) {
-    const cv::Mat left_image = r.left.apply(dot(left, project(left, p)));
-    const cv::Mat right_image = r.right.apply(dot(right, project(right, T_right_left * p)));
+    const ByteImage left_image = r.left.linear(dot(left, project(left, p)));
+    const ByteImage right_image = r.right.linear(dot(right, project(right, T_right_left * p)));
     const Eigen::Vector3d expected = r.camera.project_stereo(r.R_rectified_left * p);
     const Eigen::Vector2d in_left = centroid(left_image), in_right = centroid(right_image);
     EXPECT_NEAR(in_left.x(), expected.x(), 0.15);
@@ -81,7 +88,7 @@ TEST_P(Rectification, OneLensIsUndistorted) {
   const LensCamera camera = lens(GetParam());
   const Undistortion u = undistort(camera, "test");
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.0, 0.0, 1.0), {-0.25, 0.2, 1.0}, {0.3, -0.2, 1.0}}) {
-    const Eigen::Vector2d seen = centroid(u.remap.apply(dot(camera, project(camera, p))));
+    const Eigen::Vector2d seen = centroid(u.remap.linear(dot(camera, project(camera, p))));
     EXPECT_LT((seen - u.camera.project(p)).norm(), 0.15);
   }
 }
@@ -91,10 +98,13 @@ INSTANTIATE_TEST_SUITE_P(Models, Rectification,
 
 TEST(RectificationOfDepth, DoesNotMixDepthsAcrossAnEdge) {
   const Undistortion u = undistort(lens(LensModel::radial_tangential), "test");
-  cv::Mat1w depth(240, 320, static_cast<unsigned short>(1000));
-  depth.colRange(160, 320).setTo(4000);
-  const cv::Mat1w out = u.remap.apply_nearest(depth);
-  for (const unsigned short d : out) EXPECT_TRUE(d == 0 || d == 1000 || d == 4000) << d;
+  WordImage depth = WordImage::filled(320, 240, 1000);
+  for (int y = 0; y < 240; ++y) std::fill_n(depth.row(y) + 160, 160, std::uint16_t{4000});
+  const WordImage out = u.remap.nearest(depth);
+  for (std::size_t i = 0; i < out.elements(); ++i) {
+    const std::uint16_t d = out.data()[i];
+    EXPECT_TRUE(d == 0 || d == 1000 || d == 4000) << d;
+  }
 }
 
 TEST(RectificationWithoutDistortion, LeavesTheImagesAlone) {
@@ -103,14 +113,18 @@ TEST(RectificationWithoutDistortion, LeavesTheImagesAlone) {
   const Undistortion u = undistort(camera, "test");
   EXPECT_TRUE(u.remap.is_identity());
   EXPECT_EQ(u.camera.fx, camera.fx);
-  const cv::Mat image = dot(camera, {100.0, 50.0});
-  EXPECT_EQ(u.remap.apply(image).data, image.data);
+  const ByteImage image = dot(camera, {100.0, 50.0});
+  EXPECT_EQ(u.remap.linear(image).data(), image.data());
 }
 
 TEST(RectificationErrors, CamerasThatAreNoPairAreRefused) {
   const LensCamera left = lens(LensModel::radial_tangential);
   LensCamera right = left;
   const SE3 T{Eigen::Matrix3d::Identity(), {-0.1, 0.0, 0.0}};
+  LensCamera thin = left;
+  thin.height = 1;
+  expect_error<InputError>([&] { rectify_stereo(thin, thin, T, "pair"); }, {"pair", "2 x 2", "320 x 1"});
+  expect_error<InputError>([&] { undistort(thin, "lens"); }, {"lens", "2 x 2", "320 x 1"});
   right.width = 321;
   expect_error<InputError>([&] { rectify_stereo(left, right, T, "pair"); },
                            {"pair", "same size", "321 x 240"});

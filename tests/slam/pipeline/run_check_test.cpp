@@ -3,16 +3,19 @@
 #include <gtest/gtest.h>
 
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam {
 namespace {
 
 class RunCheckTest : public ::testing::Test {
  protected:
-  static cv::Mat picture(int seed) { return test::textured_image(80, 60, static_cast<std::uint64_t>(seed)); }
-  static cv::Mat grey(int level) { return cv::Mat(60, 80, CV_8U, cv::Scalar(level)); }
+  static ByteImage picture(int seed) {
+    return test::byte_image(test::textured_image(80, 60, static_cast<std::uint64_t>(seed)));
+  }
+  static ByteImage grey(int level) { return ByteImage::filled(80, 60, static_cast<std::uint8_t>(level)); }
   // The next frame: where the camera is, metres along z, and what was found.
-  void show(RunCheck& check, const cv::Mat& left, const cv::Mat& right, double z, bool located = true,
+  void show(RunCheck& check, const ByteImage& left, const ByteImage& right, double z, bool located = true,
             int features = 800, int stereo_features = 500, double depth = 8.0) {
     StereoImages images;
     images.index = frame_;
@@ -79,7 +82,7 @@ TEST_F(RunCheckTest, SaysThatDepthsAreOfNoSensor) {
 
 TEST_F(RunCheckTest, NamesWhatTheImagesShow) {
   struct Row {
-    cv::Mat left, right;
+    ByteImage left, right;
     int features, stereo_features;
     const char* says;
   };

@@ -12,6 +12,7 @@
 #include "slam/map/map_file.h"
 #include "slam/sources/open_dataset.h"
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::slam {
@@ -46,13 +47,13 @@ class Walls {
   }
 
  private:
-  cv::Mat view(int x, int eye) const {
+  ByteImage view(int x, int eye) const {
     cv::Mat image(kHeight, kWidth, CV_8U);
     near_(cv::Rect(100 + x + eye * kNearDisparity, 0, kWidth, kHeight / 2))
         .copyTo(image.rowRange(0, kHeight / 2));
     far_(cv::Rect(100 + x * kFarDisparity / kNearDisparity + eye * kFarDisparity, 0, kWidth, kHeight / 2))
         .copyTo(image.rowRange(kHeight / 2, kHeight));
-    return image;
+    return test::byte_image(image);
   }
   cv::Mat near_, far_;
   StereoCamera camera_;
@@ -60,7 +61,7 @@ class Walls {
 
 StereoImages black(const Walls& walls, int index) {
   StereoImages images = walls.frame(index);
-  images.left = cv::Mat::zeros(images.left.size(), CV_8U);
+  images.left = ByteImage::filled(images.left.width(), images.left.height(), 0);
   images.right = images.left;
   return images;
 }
@@ -117,8 +118,10 @@ TEST(Slam, GoesOnWithANewPieceWhereNothingIsRecognised) {
   // Suddenly a different place: upside down.
   for (int i = 10; i < 30; ++i) {
     StereoImages images = walls.frame(i);
-    cv::flip(images.left, images.left, 0);
-    cv::flip(images.right, images.right, 0);
+    for (ByteImage* image : {&images.left, &images.right}) {
+      for (int y = 0; y < image->height() / 2; ++y)
+        std::swap_ranges(image->row(y), image->row(y) + image->width(), image->row(image->height() - 1 - y));
+    }
     slam.process(images);
   }
   EXPECT_EQ(slam.results().back().tracking.state, TrackingState::tracking);
@@ -166,9 +169,9 @@ TEST(Slam, ResultsRepeatBitForBitWhateverTheThreads) {
 }
 
 // The upper, near wall is called a car.
-std::vector<Instance> upper_half(int /*frame*/, const cv::Mat& image) {
-  const cv::Rect region(0, 0, image.cols, image.rows / 2);
-  return {{3, "car", 0.9F, region, cv::Mat1b(region.size(), uchar{255})}};
+std::vector<Instance> upper_half(int /*frame*/, const ByteImage& image) {
+  const Rect region{0, 0, image.width(), image.height() / 2};
+  return {{3, "car", 0.9F, region, ByteImage::filled(region.width, region.height, 255)}};
 }
 
 int points_above(const Slam& slam) {
@@ -205,7 +208,7 @@ TEST(Slam, WhatStandsStaysInTheMapWhateverItsClass) {
 TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
   const Walls walls;
   std::vector<int> segmented;
-  Slam slam(walls.camera(), Sensor::stereo, {}, [&](int frame, const cv::Mat&) {
+  Slam slam(walls.camera(), Sensor::stereo, {}, [&](int frame, const ByteImage&) {
     segmented.push_back(frame);
     return std::vector<Instance>{};
   });
@@ -227,7 +230,7 @@ TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
   write_map(folder / "walls.map", first.map());
 
   std::vector<int> segmented;
-  const auto segmenter = [&](int frame, const cv::Mat&) {
+  const auto segmenter = [&](int frame, const ByteImage&) {
     segmented.push_back(frame);
     return std::vector<Instance>{};
   };
@@ -243,13 +246,13 @@ TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {
   const Walls walls;
   Slam slam(walls.camera(), Sensor::stereo, {});
   StereoImages images = walls.frame(0);
-  images.right = images.right.colRange(0, 600);
+  images.right = ByteImage::copy_of(images.right.region({0, 0, 600, images.right.height()}));
   EXPECT_THROW(slam.process(images), InputError);
   images = walls.frame(0);
-  images.left = cv::Mat();
+  images.left = ByteImage();
   EXPECT_THROW(slam.process(images), InputError);
   images = walls.frame(0);
-  images.left.convertTo(images.left, CV_32F);
+  images.left = ByteImage::filled(images.left.width(), images.left.height(), 0, 2);  // channels
   EXPECT_THROW(slam.process(images), InputError);
   StereoCamera broken = walls.camera();
   broken.baseline = 0.0;
@@ -269,8 +272,8 @@ TEST(Slam, DerivesSettingsFromTheSensor) {
 
   StereoImages images = walls.frame(0);
   EXPECT_THROW(rgbd.process(images), InputError) << "a right image";
-  images.depth = cv::Mat(images.left.size(), CV_32F, cv::Scalar(2.0));
-  images.right = cv::Mat();
+  images.depth = FloatImage::filled(images.left.width(), images.left.height(), 2.0F);
+  images.right = ByteImage();
   EXPECT_NO_THROW(rgbd.process(images));
   EXPECT_THROW(stereo.process(images), InputError) << "depth";
 }
@@ -355,7 +358,7 @@ TEST(SlamRealData, FramesLeftOutAndBlackFramesDoNotEndTracking) {
   for (int i = 0; i < dataset->size(); ++i) {
     if (i == 15 || i == 16) continue;  // a jump of four metres
     StereoImages images = dataset->load(i);
-    if (i >= 30 && i < 33) images.left.setTo(0);
+    if (i >= 30 && i < 33) images.left.fill(0);
     slam.process(images);
     truth.push_back((*dataset->ground_truth())[std::size_t(i)]);
   }

@@ -6,6 +6,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"
 
@@ -37,7 +38,7 @@ class Euroc : public testing::Test {
       std::string list = "#timestamp [ns],filename\r\n";
       for (int i = 0; i < kFrames; ++i) {
         list += fmt::format("{0},{0}.png\r\n", time(i));
-        nn::write_image(camera(c) / fmt::format("data/{}.png", time(i)),
+        test::write_mat(camera(c) / fmt::format("data/{}.png", time(i)),
                         cv::Mat(60, 80, CV_8UC1, cv::Scalar(50 * c + i)));
       }
       nn::write_file(camera(c) / "data.csv", list);
@@ -173,7 +174,7 @@ TEST_F(Euroc, BrokenCalibrationIsRefused) {
 }
 
 TEST_F(Euroc, ImageOfAnotherSizeOrMissingIsRefused) {
-  nn::write_image(camera(1) / fmt::format("data/{}.png", time(0)), cv::Mat(60, 81, CV_8UC1, cv::Scalar(0)));
+  test::write_mat(camera(1) / fmt::format("data/{}.png", time(0)), cv::Mat(60, 81, CV_8UC1, cv::Scalar(0)));
   expect_refused({"80 x 60 pixels as in the calibration", "81 x 60"});
   // One that is missing costs its frame, which says so when it is read, and the others tell the size.
   fs::remove(camera(1) / fmt::format("data/{}.png", time(0)));

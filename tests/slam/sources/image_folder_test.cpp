@@ -9,6 +9,7 @@
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
 #include "slam/sources/camera_file.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"
 
@@ -37,7 +38,7 @@ class ImageFolder : public testing::Test {
     fs::remove_all(root() / name);
     fs::create_directories(root() / name);
     for (std::size_t i = 0; i < stems.size(); ++i) {
-      nn::write_image(root() / name / (stems[i] + ".png"),
+      test::write_mat(root() / name / (stems[i] + ".png"),
                       cv::Mat(60, 80, type, cv::Scalar::all(10.0 * double(i))));
     }
   }
@@ -204,7 +205,7 @@ TEST_F(ImageFolder, SixteenBitsAreTakenAsTheyAreFilled) {
       make_images(folder, {"0"}, CV_8UC1);
       cv::Mat image(60, 80, CV_16UC1, cv::Scalar(levels[0]));
       image.at<std::uint16_t>(1, 1) = static_cast<std::uint16_t>(levels[1]);
-      nn::write_image(root() / folder / "0.png", image);
+      test::write_mat(root() / folder / "0.png", image);
     }
     DatasetOptions options;
     options.image_bits = bits;

@@ -8,6 +8,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"
 
@@ -50,7 +51,7 @@ class Kitti : public testing::Test {
     for (int camera = first_camera; camera < first_camera + 2; ++camera) {
       fs::create_directories(sequence(name) / fmt::format("image_{}", camera));
       for (int i = 0; i < kFrames; ++i) {
-        nn::write_image(image(camera, i, name), cv::Mat(60, 80, type, cv::Scalar::all(50 * camera + i)));
+        test::write_mat(image(camera, i, name), cv::Mat(60, 80, type, cv::Scalar::all(50 * camera + i)));
       }
     }
   }
@@ -288,10 +289,10 @@ TEST_F(Kitti, BrokenPosesAreRefused) {
 }
 
 TEST_F(Kitti, ImagesOfDifferentSizesAreRefused) {
-  nn::write_image(image(1, 0), cv::Mat(60, 81, CV_8UC1, cv::Scalar(0)));
+  test::write_mat(image(1, 0), cv::Mat(60, 81, CV_8UC1, cv::Scalar(0)));
   expect_refused({"image_1/000000.png", "80 x 60", "81 x 60"});
   make_images("07", 0, CV_8UC1);
-  nn::write_image(image(0, 2), cv::Mat(61, 80, CV_8UC1, cv::Scalar(0)));
+  test::write_mat(image(0, 2), cv::Mat(61, 80, CV_8UC1, cv::Scalar(0)));
   const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
   dataset->load(1);
   expect_error<InputError>([&] { dataset->load(2); }, {"image_0/000002.png", "80 x 60", "80 x 61"});

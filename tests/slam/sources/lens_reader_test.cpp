@@ -8,6 +8,8 @@
 namespace penumbra::slam {
 namespace {
 
+using test::expect_error;
+
 TEST(LensReader, ModelsAreCheckedByNameAndCoefficients) {
   LensCamera camera;
   set_lens_model(camera, "radtan", {1, 2, 3, 4}, "here");

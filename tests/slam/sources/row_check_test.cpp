@@ -3,14 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam {
 namespace {
 
 class Rows : public testing::Test {
  protected:
-  cv::Mat view(int x, int y) const { return texture_(cv::Rect(x, y, 480, 240)).clone(); }
-  cv::Mat texture_ = test::textured_image(640, 320, 5);
+  ByteImage view(int x, int y) const { return ByteImage::copy_of(texture_.region({x, y, 480, 240})); }
+  const ByteImage texture_ = test::byte_image(test::textured_image(640, 320, 5));
 };
 
 TEST_F(Rows, OfARectifiedPairAgree) {
@@ -30,7 +31,8 @@ TEST_F(Rows, ThatAreShiftedAreMeasured) {
 
 TEST_F(Rows, OfImagesWithoutFeaturesTellNothing) {
   RowOffsets rows;
-  rows.add(cv::Mat::zeros(240, 480, CV_8UC3), cv::Mat::zeros(240, 480, CV_8UC3));
+  const ByteImage black = ByteImage::filled(480, 240, 0, 3);
+  rows.add(black, black);
   EXPECT_FALSE(rows.is_enough());
   EXPECT_FALSE(rows.disagreement().has_value());
 }

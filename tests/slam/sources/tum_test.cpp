@@ -6,6 +6,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"
 
@@ -26,8 +27,8 @@ class Tum : public testing::Test {
       colour += fmt::format("{:.6f} rgb/{}.png\n", time(i), i);
       depth += fmt::format("{:.6f} depth/{}.png\n", time(i) + 0.015, i);
       truth += fmt::format("{:.4f} {} 0 0 0 0 0 1\n", time(i) + 0.003, i);
-      nn::write_image(root() / fmt::format("rgb/{}.png", i), cv::Mat(60, 80, CV_8UC3, cv::Scalar(10, 20, i)));
-      nn::write_image(root() / fmt::format("depth/{}.png", i),
+      test::write_mat(root() / fmt::format("rgb/{}.png", i), cv::Mat(60, 80, CV_8UC3, cv::Scalar(10, 20, i)));
+      test::write_mat(root() / fmt::format("depth/{}.png", i),
                       cv::Mat(60, 80, CV_16UC1, cv::Scalar(5000 + i)));
     }
     nn::write_file(root() / "rgb.txt", colour);
@@ -86,8 +87,8 @@ TEST_F(Tum, KnowsTheBenchmarksCamerasByTheFoldersName) {
   expect_refused({"640 x 480", "80 x 60"}, "rgbd_dataset_freiburg3_desk");  // these images are smaller
   const cv::Mat colour(480, 640, CV_8UC3, cv::Scalar::all(100)), depth(480, 640, CV_16UC1, cv::Scalar(5000));
   for (int i = 0; i < kFrames; ++i) {
-    nn::write_image(renamed / fmt::format("rgb/{}.png", i), colour);
-    nn::write_image(renamed / fmt::format("depth/{}.png", i), depth);
+    test::write_mat(renamed / fmt::format("rgb/{}.png", i), colour);
+    test::write_mat(renamed / fmt::format("depth/{}.png", i), depth);
   }
   EXPECT_EQ(open_dataset(renamed)->camera().fx, 535.4);
   fs::rename(renamed, folder_ / "my_fr1");
@@ -112,9 +113,9 @@ TEST_F(Tum, BadFilesAreRefused) {
   nn::write_file(root() / "rgb.txt", "inf rgb/0.png\n");
   expect_refused({"rgb.txt:1", "a finite number"});
   SetUp();
-  nn::write_image(root() / "depth/0.png", cv::Mat(60, 80, CV_8UC1, cv::Scalar(50)));
+  test::write_mat(root() / "depth/0.png", cv::Mat(60, 80, CV_8UC1, cv::Scalar(50)));
   expect_refused({"depth/0.png", "16-bit grey PNG", "1 channels of 8 bits"});
-  nn::write_image(root() / "depth/0.png", cv::Mat(61, 80, CV_16UC1, cv::Scalar(50)));
+  test::write_mat(root() / "depth/0.png", cv::Mat(61, 80, CV_16UC1, cv::Scalar(50)));
   expect_refused({"depth/0.png", "80 x 60", "80 x 61"});
   SetUp();
   fs::remove(root() / "depth.txt");

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/slam/world/synthetic_support.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam::synthetic {
 namespace {
@@ -23,7 +24,7 @@ TEST(SyntheticGeometry, DepthOfTheLeftImageLandsOnTheSameSurfaceInTheRight) {
     right.prepare(street.world(), camera, right_of(pose.T_wc, camera.baseline), pose.timestamp);
     for (int k = 0; k < 4000; ++k) {
       const int u = static_cast<int>(random() % 620), v = static_cast<int>(random() % 188);
-      const double depth = frame.left.depth(v, u);
+      const double depth = frame.left.depth.at(u, v);
       if (depth <= 0.0) continue;
       Eigen::Vector3d point = camera.back_project(u, v, depth);
       point.x() -= camera.baseline;
@@ -48,11 +49,11 @@ TEST(SyntheticGeometry, TheRightDepthMapIsTheLeftOneShiftedByDisparity) {
   std::vector<double> errors;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      if (frame.left.depth(v, u) <= 0.0F) continue;
-      const double disparity = bf / frame.left.depth(v, u), target = u - disparity;
+      if (frame.left.depth.at(u, v) <= 0.0F) continue;
+      const double disparity = bf / frame.left.depth.at(u, v), target = u - disparity;
       const int at = static_cast<int>(std::floor(target));
       if (at < 0 || at + 1 >= camera.width) continue;
-      const double here = frame.right.depth(v, at), next = frame.right.depth(v, at + 1);
+      const double here = frame.right.depth.at(at, v), next = frame.right.depth.at(at + 1, v);
       if (here <= 0.0 || next <= 0.0) continue;
       const double d0 = bf / here, d1 = bf / next;
       // Where one plane covers both pixels disparity runs linearly between them.
@@ -77,7 +78,7 @@ TEST(SyntheticGeometry, TheGroundLiesWhereThePoseSaysItDoes) {
   int ground = 0;
   for (int v = 0; v < camera.height; v += 3) {
     for (int u = 0; u < camera.width; u += 3) {
-      const double depth = frame.left.depth(v, u);
+      const double depth = frame.left.depth.at(u, v);
       if (depth <= 0.0 || depth > 60.0) continue;
       const Eigen::Vector3d point = camera.back_project(u, v, depth);
       if (cast_towards(geometry, point).surface != kGround) continue;
@@ -106,9 +107,9 @@ TEST(SyntheticGeometry, InstanceMasksCoverExactlyTheirObjects) {
     };
     for (int v = 0; v < camera.height; v += 2) {
       for (int u = 0; u < camera.width; u += 2) {
-        if (frame.left.depth(v, u) <= 0.0F) continue;
-        const Eigen::Vector3d point = pose.T_wc * camera.back_project(u, v, frame.left.depth(v, u));
-        const int id = frame.left.instance(v, u);
+        if (frame.left.depth.at(u, v) <= 0.0F) continue;
+        const Eigen::Vector3d point = pose.T_wc * camera.back_project(u, v, frame.left.depth.at(u, v));
+        const int id = frame.left.instance.at(u, v);
         for (const Object& object : street.world().objects) {
           if (object.instance == 0) continue;
           if (object.instance == id) {
@@ -136,7 +137,7 @@ TEST(SyntheticGeometry, MovingCarsMoveAsTheirMotionSays) {
   int followed = 0, kept = 0;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      const int id = frame.left.instance(v, u);
+      const int id = frame.left.instance.at(u, v);
       const auto object = std::find_if(street.world().objects.begin(), street.world().objects.end(),
                                        [&](const Object& o) { return id != 0 && o.instance == id; });
       if (object == street.world().objects.end() || !object->motion.moves) continue;
@@ -145,7 +146,7 @@ TEST(SyntheticGeometry, MovingCarsMoveAsTheirMotionSays) {
       const SE3 before{rotation_of(from.heading), {from.position.x(), 0.0, from.position.y()}};
       const SE3 after{rotation_of(to.heading), {to.position.x(), 0.0, to.position.y()}};
       const Eigen::Vector3d point = next.T_wc.inverse() * after * before.inverse() * now.T_wc *
-                                    camera.back_project(u, v, frame.left.depth(v, u));
+                                    camera.back_project(u, v, frame.left.depth.at(u, v));
       if (point.z() < 1.0 || !camera.in_image(camera.project(point))) continue;
       const CastResult seen = cast_towards(later, point);
       if (seen.depth < 0.999 * point.z()) continue;  // hidden by now
@@ -165,13 +166,14 @@ TEST(SyntheticGeometry, ImageMotionFollowsTheGroundTruthPoses) {
   street.render(4, second);
   const SE3 T_21 = street.poses()[4].T_wc.inverse() * street.poses()[3].T_wc;
   std::vector<cv::KeyPoint> corners;
-  cv::FastFeatureDetector::create(20)->detect(first.left_grey, corners);
+  cv::FastFeatureDetector::create(20)->detect(test::to_mat(first.left_grey), corners);
+  const cv::Mat first_grey = test::to_mat(first.left_grey), second_grey = test::to_mat(second.left_grey);
   constexpr int kPatch = 4, kSearch = 3;
   int tried = 0, found = 0;
   for (const cv::KeyPoint& corner : corners) {
     const int u = static_cast<int>(corner.pt.x), v = static_cast<int>(corner.pt.y);
-    const float depth = first.left.depth(v, u);
-    if (depth < 4.0F || first.left.instance(v, u) != 0) continue;
+    const float depth = first.left.depth.at(u, v);
+    if (depth < 4.0F || first.left.instance.at(u, v) != 0) continue;
     const Eigen::Vector2d moved = camera.project(T_21 * camera.back_project(u, v, depth));
     const int mu = static_cast<int>(std::lround(moved.x())), mv = static_cast<int>(std::lround(moved.y()));
     constexpr int kBorder = kPatch + kSearch;
@@ -179,8 +181,8 @@ TEST(SyntheticGeometry, ImageMotionFollowsTheGroundTruthPoses) {
     if (!valid.contains({mu, mv}) || !valid.contains({u, v})) continue;
     const auto difference = [&](int du, int dv) {
       const cv::Size size(2 * kPatch + 1, 2 * kPatch + 1);
-      return cv::norm(first.left_grey(cv::Rect({u - kPatch, v - kPatch}, size)),
-                      second.left_grey(cv::Rect({mu + du - kPatch, mv + dv - kPatch}, size)), cv::NORM_L1);
+      return cv::norm(first_grey(cv::Rect({u - kPatch, v - kPatch}, size)),
+                      second_grey(cv::Rect({mu + du - kPatch, mv + dv - kPatch}, size)), cv::NORM_L1);
     };
     double best = 1e9;
     int best_u = 0, best_v = 0;
@@ -238,9 +240,9 @@ TEST(SyntheticGeometry, ATexturedPlaneFollowsItsHomography) {
       const int pu = static_cast<int>(std::lround(p.x())), pv = static_cast<int>(std::lround(p.y()));
       if (pu < 4 || pv < 4 || pu >= 636 || pv >= 476) continue;
       if (std::abs(p.x() - pu) > 0.04 || std::abs(p.y() - pv) > 0.04) continue;
-      const double light = a.radiance(v, u)[1];
-      difference += std::abs(light - b.radiance(pv, pu)[1]);
-      shifted += std::abs(light - b.radiance(pv, pu + 2)[1]);
+      const double light = a.radiance.at(u, v)[1];
+      difference += std::abs(light - b.radiance.at(pu, pv)[1]);
+      shifted += std::abs(light - b.radiance.at(pu + 2, pv)[1]);
       contrast += light;
       ++compared;
     }

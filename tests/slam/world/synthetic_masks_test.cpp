@@ -40,18 +40,18 @@ TEST(SyntheticMasks, VisibleMasksAreTheIdImageAndLieInsideTheWholeOnes) {
   int hidden = 0;
   for (const int i : {0, 30}) {
     street.render(i, frame);
-    cv::Mat1w ids(frame.left.instance.size(), std::uint16_t{0});
+    WordImage ids = WordImage::filled(frame.left.instance.width(), frame.left.instance.height(), 0);
     for (const InstanceMasks& masks : frame.instances) {
       EXPECT_LE(masks.visible_area, masks.whole_area);
       EXPECT_GT(masks.whole_area, 0);
       hidden += masks.occlusion() > 0.1F && masks.visible_area > 0 ? 1 : 0;
       int visible = 0, whole = 0;
-      for (int v = 0; v < ids.rows; ++v) {
-        for (int u = 0; u < ids.cols; ++u) {
+      for (int v = 0; v < ids.height(); ++v) {
+        for (int u = 0; u < ids.width(); ++u) {
           whole += masks.whole.contains(u, v) ? 1 : 0;
           if (!masks.visible.contains(u, v)) continue;
           ++visible;
-          ids(v, u) = masks.instance;
+          ids.at(u, v) = masks.instance;
           EXPECT_TRUE(masks.whole.contains(u, v));
         }
       }

@@ -10,6 +10,7 @@
 #include "nn/base/error.h"
 #include "slam/world/noise.h"
 #include "tests/slam/world/synthetic_support.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::slam::synthetic {
@@ -25,10 +26,10 @@ std::uint64_t hash_of_frames(std::uint32_t seed, int threads) {
   std::uint64_t hash = 1;
   for (const int i : {0, 17, 42}) {
     street.render(i, frame);
-    for (const cv::Mat& image : {cv::Mat(frame.left_grey), cv::Mat(frame.right_grey), cv::Mat(frame.left_bgr),
-                                 cv::Mat(frame.left.depth), cv::Mat(frame.left.instance)}) {
+    for (const ByteImage& image : {frame.left_grey, frame.right_grey, frame.left_bgr}) {
       hash = hash_image(image, hash);
     }
+    hash = hash_image(frame.left.instance, hash_image(frame.left.depth, hash));
   }
   omp_set_num_threads(before);
   return hash;
@@ -57,7 +58,7 @@ TEST(SyntheticStreet, CornersAreManyAndSpreadOverTheImage) {
     for (const int i : {0, 25, 50}) {
       street.render(i, frame);
       std::vector<cv::KeyPoint> corners;
-      cv::FastFeatureDetector::create(20)->detect(frame.left_grey, corners);
+      cv::FastFeatureDetector::create(20)->detect(test::to_mat(frame.left_grey), corners);
       EXPECT_GT(corners.size(), 1000U) << "seed " << seed << " frame " << i;
       int cells[4][8] = {}, filled = 0;
       for (const cv::KeyPoint& corner : corners) {
@@ -193,10 +194,10 @@ TEST(SyntheticStreet, APlaceLooksTheSameAgainExceptForWhatMoves) {
   int compared = 0, same = 0;
   for (int v = 0; v < 188; ++v) {
     for (int u = 0; u < 620; ++u) {
-      if (moves[first.instance(v, u)] || moves[again.instance(v, u)]) continue;
+      if (moves[first.instance.at(u, v)] || moves[again.instance.at(u, v)]) continue;
       ++compared;
-      EXPECT_EQ(first.depth(v, u), again.depth(v, u));
-      same += first.radiance(v, u) == again.radiance(v, u) ? 1 : 0;
+      EXPECT_EQ(first.depth.at(u, v), again.depth.at(u, v));
+      same += first.radiance.at(u, v) == again.radiance.at(u, v) ? 1 : 0;
     }
   }
   EXPECT_GT(compared, 620 * 188 / 2);
@@ -289,7 +290,7 @@ TEST(SyntheticStreet, ASmallImageAndOneFrameWork) {
   StreetSequence street({.path = "straight", .frames = 1, .size = {33, 37}});
   StreetFrame frame;
   street.render(0, frame);
-  EXPECT_EQ(frame.left_grey.size(), cv::Size(33, 37));
+  EXPECT_EQ(frame.left_grey.size(), (Size{33, 37}));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <opencv2/core.hpp>
 
 #include "slam/world/frame_geometry.h"
 #include "slam/world/street_sequence.h"
@@ -17,11 +16,10 @@ inline SE3 right_of(const SE3& T_wc, double baseline) {
 }
 
 // FNV-1a over the bytes of an image's rows.
-inline std::uint64_t hash_image(const cv::Mat& image, std::uint64_t hash = 0xcbf29ce484222325U) {
-  for (int row = 0; row < image.rows; ++row) {
-    const auto* bytes = image.ptr<std::uint8_t>(row);
-    for (std::size_t i = 0; i < image.cols * image.elemSize(); ++i) hash = (hash ^ bytes[i]) * 0x100000001b3U;
-  }
+template <class T>
+std::uint64_t hash_image(const Image<T>& image, std::uint64_t hash = 0xcbf29ce484222325U) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(image.data());
+  for (std::size_t i = 0; i < image.elements() * sizeof(T); ++i) hash = (hash ^ bytes[i]) * 0x100000001b3U;
   return hash;
 }
 

@@ -10,6 +10,7 @@
 #include "slam/world/depth_sensor.h"
 #include "slam/world/ground_truth_images.h"
 #include "tests/slam/world/synthetic_support.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam::synthetic {
 namespace {
@@ -22,17 +23,17 @@ TEST(SyntheticTruth, FlowOfWhatStandsStillIsThatOfThePoses) {
   int compared = 0;
   for (int v = 0; v < 188; v += 2) {
     for (int u = 0; u < 620; u += 2) {
-      const double z = frame.left.depth(v, u);
+      const double z = frame.left.depth.at(u, v);
       if (z <= 0.0) {
-        EXPECT_EQ(frame.flow(v, u)[2], 0.0F);
+        EXPECT_EQ(frame.flow.at(u, v)[2], 0.0F);
         continue;
       }
-      if (frame.left.instance(v, u) != 0) continue;
+      if (frame.left.instance.at(u, v) != 0) continue;
       const Eigen::Vector3d point = motion * street.camera().back_project(u, v, z);
       if (point.z() < 0.5) continue;
       const Eigen::Vector2d pixel = street.camera().project(point);
-      EXPECT_NEAR(frame.flow(v, u)[0], pixel.x() - u, 0.02);
-      EXPECT_NEAR(frame.flow(v, u)[1], pixel.y() - v, 0.02);
+      EXPECT_NEAR(frame.flow.at(u, v)[0], pixel.x() - u, 0.02);
+      EXPECT_NEAR(frame.flow.at(u, v)[1], pixel.y() - v, 0.02);
       ++compared;
     }
   }
@@ -48,14 +49,14 @@ TEST(SyntheticTruth, FlowLeadsToTheSameObjectInTheNextFrame) {
   double depth_off = 0.0;
   for (int v = 0; v < 188; ++v) {
     for (int u = 0; u < 620; ++u) {
-      const cv::Vec3f& flow = now.flow(v, u);
-      const int id = now.left.instance(v, u);
+      const std::array<float, 3>& flow = now.flow.at(u, v);
+      const int id = now.left.instance.at(u, v);
       const int to_u = static_cast<int>(std::lround(static_cast<float>(u) + flow[0]));
       const int to_v = static_cast<int>(std::lround(static_cast<float>(v) + flow[1]));
       if (id == 0 || flow[2] == 0.0F || to_u < 0 || to_v < 0 || to_u >= 620 || to_v >= 188) continue;
       ++on_objects;
-      same += next.left.instance(to_v, to_u) == id ? 1 : 0;
-      depth_off += next.left.depth(to_v, to_u) < 0.5F * now.left.depth(v, u) ? 1.0 : 0.0;
+      same += next.left.instance.at(to_u, to_v) == id ? 1 : 0;
+      depth_off += next.left.depth.at(to_u, to_v) < 0.5F * now.left.depth.at(u, v) ? 1.0 : 0.0;
     }
   }
   EXPECT_GT(on_objects, 5000);
@@ -74,22 +75,24 @@ TEST(SyntheticTruth, TheLastFrameHasNoFlow) {
 
 TEST(SyntheticTruth, EncodedImagesFollowTheirFormats) {
   const StereoCamera camera = street_camera({620, 188});
-  const cv::Mat1f depth = (cv::Mat1f(1, 4) << 0.0F, 10.0F, 100.0F, 1000.0F);
-  const cv::Mat1w levels = encode_depth(depth, 256.0F), disparity = encode_disparity(depth, camera);
-  EXPECT_EQ(levels(0, 0), 0);
-  EXPECT_EQ(levels(0, 1), 2560);
-  EXPECT_EQ(levels(0, 3), 0);  // beyond 255 m
-  EXPECT_EQ(disparity(0, 0), 0);
+  FloatImage depth(4, 1);
+  for (const int i : {0, 1, 2, 3}) depth.at(i, 0) = i == 0 ? 0.0F : std::pow(10.0F, static_cast<float>(i));
+  const WordImage levels = encode_depth(depth, 256.0F), disparity = encode_disparity(depth, camera);
+  EXPECT_EQ(levels.at(0, 0), 0);
+  EXPECT_EQ(levels.at(1, 0), 2560);
+  EXPECT_EQ(levels.at(3, 0), 0);  // beyond 255 m
+  EXPECT_EQ(disparity.at(0, 0), 0);
   for (const int i : {1, 2, 3}) {
-    const double expected = camera.fx * camera.baseline / static_cast<double>(depth(0, i));
-    EXPECT_NEAR(disparity(0, i) / 256.0, expected, 0.5 / 256.0 + 1e-9);
+    const double expected = camera.fx * camera.baseline / static_cast<double>(depth.at(i, 0));
+    EXPECT_NEAR(disparity.at(i, 0) / 256.0, expected, 0.5 / 256.0 + 1e-9);
   }
-  const cv::Mat3f flow = (cv::Mat3f(1, 3) << cv::Vec3f(1.5F, -20.25F, 1.0F), cv::Vec3f(3.0F, 4.0F, 0.0F),
-                          cv::Vec3f(600.0F, 0.0F, 1.0F));
-  const cv::Mat3w encoded = encode_flow(flow);
-  EXPECT_EQ(encoded(0, 0), cv::Vec3w(1, 32768 - 20 * 64 - 16, 32768 + 96));
-  EXPECT_EQ(encoded(0, 1), cv::Vec3w(0, 0, 0));
-  EXPECT_EQ(encoded(0, 2), cv::Vec3w(0, 0, 0));
+  FlowImage flow(3, 1);
+  flow.at(0, 0) = {1.5F, -20.25F, 1.0F};
+  flow.at(1, 0) = {3.0F, 4.0F, 0.0F};
+  flow.at(2, 0) = {600.0F, 0.0F, 1.0F};
+  const WordImage encoded = encode_flow(flow);
+  const std::vector<std::uint16_t> codes(encoded.data(), encoded.data() + encoded.elements());
+  EXPECT_EQ(codes, (std::vector<std::uint16_t>{1, 32768 - 20 * 64 - 16, 32768 + 96, 0, 0, 0, 0, 0, 0}));
 }
 
 TEST(SyntheticTruth, DepthNoiseOfTheRgbdSensorGrowsWithTheSquareOfDepth) {
@@ -97,12 +100,12 @@ TEST(SyntheticTruth, DepthNoiseOfTheRgbdSensorGrowsWithTheSquareOfDepth) {
   StreetFrame frame;
   street.render(0, frame);
   EXPECT_TRUE(frame.left_grey.empty());
-  ASSERT_EQ(frame.left_bgr.size(), cv::Size(640, 480));
+  ASSERT_EQ(frame.left_bgr.size(), (Size{640, 480}));
   double near = 0.0, far = 0.0;
   int nears = 0, fars = 0, holes = 0, in_range = 0;
   for (int v = 0; v < 480; ++v) {
     for (int u = 0; u < 640; ++u) {
-      const double z = frame.left.depth(v, u), sensed = frame.sensed_depth(v, u);
+      const double z = frame.left.depth.at(u, v), sensed = frame.sensed_depth.at(u, v);
       if (z < 0.4 || z > 12.0) {
         EXPECT_EQ(sensed, 0.0);
         continue;
@@ -127,16 +130,16 @@ TEST(SyntheticTruth, DepthNoiseOfTheRgbdSensorGrowsWithTheSquareOfDepth) {
 
 TEST(SyntheticTruth, TheProjectorsShadowLiesLeftOfANearerSurface) {
   RenderedView view;
-  view.depth = cv::Mat1f(1, 200, 8.0F);
-  view.depth.colRange(100, 140).setTo(1.0F);
-  view.reflectance = cv::Mat2f(1, 200, cv::Vec2f(0.5F, 0.0F));
+  view.depth = FloatImage::filled(200, 1, 8.0F);
+  std::fill_n(&view.depth.at(100, 0), 40, 1.0F);
+  view.reflectance = Image<Reflectance>::filled(200, 1, {0.5F, 0.0F});
   const StereoCamera camera = street_camera({200, 100});
-  cv::Mat1f depth;
+  FloatImage depth;
   sense_depth(view, camera, 1, depth);
   const double gap = camera.fx * kProjectorBaseline * (1.0 - 1.0 / 8.0);  // 7.6 pixels
   for (int u = 0; u < 200; ++u) {
     const bool hidden = u < 100 && u >= 100.0 - gap;
-    EXPECT_EQ(depth(0, u) == 0.0F, hidden) << u;
+    EXPECT_EQ(depth.at(u, 0) == 0.0F, hidden) << u;
   }
 }
 
@@ -152,7 +155,8 @@ std::vector<double> share_of_lorry(const char* preset, int frames) {
   StreetFrame frame;
   for (int i = 0; i < frames; i += 6) {
     street.render(i, frame);
-    shares.push_back(cv::countNonZero(frame.left.instance == id) / static_cast<double>(155 * 47));
+    const std::uint16_t* ids = frame.left.instance.data();
+    shares.push_back(static_cast<double>(std::count(ids, ids + 155 * 47, id)) / (155.0 * 47.0));
   }
   return shares;
 }
@@ -194,20 +198,20 @@ TEST(SyntheticTruth, SettingsChangeWhatTheyShould) {
     StreetSequence street({.street = settings, .path = "straight", .size = {310, 94}});
     StreetFrame frame;
     street.render(3, frame);
-    return frame.left_grey.clone();
+    return test::to_mat(frame.left_grey);
   };
-  const auto corners = [](const cv::Mat1b& grey) {
+  const auto corners = [](const cv::Mat& grey) {
     std::vector<cv::KeyPoint> found;
     cv::FastFeatureDetector::create(20)->detect(grey, found);
     return found.size();
   };
-  const cv::Mat1b normal = image({});
+  const cv::Mat normal = image({});
   StreetSettings settings;
   settings.texture = 0.0F;
   EXPECT_LT(corners(image(settings)), corners(normal) * 4 / 5);
   settings = {};
   settings.noise = 0.0F;
-  const cv::Mat1b clean = image(settings);
+  const cv::Mat clean = image(settings);
   EXPECT_NEAR(cv::norm(clean, normal, cv::NORM_L2) / std::sqrt(310.0 * 94.0), 1.3, 0.2);
   settings.shutter = 0.1F;
   EXPECT_LT(corners(image(settings)), corners(clean) * 4 / 5);
@@ -249,7 +253,7 @@ TEST(SyntheticTruth, OrbFindsFeaturesAtAllDepths) {
     OrbExtractor({}).extract(frame.left_grey, features);
     int near = 0, middle = 0, far = 0;
     for (const Keypoint& point : features.keypoints) {
-      const float z = frame.left.depth(static_cast<int>(point.v), static_cast<int>(point.u));
+      const float z = frame.left.depth.at(static_cast<int>(point.u), static_cast<int>(point.v));
       near += z > 0.0F && z < 12.0F ? 1 : 0;
       middle += z >= 12.0F && z < 30.0F ? 1 : 0;
       far += z >= 30.0F ? 1 : 0;

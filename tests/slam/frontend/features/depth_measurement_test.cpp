@@ -17,7 +17,7 @@ Features features_at(std::initializer_list<std::pair<float, float>> pixels) {
 }
 
 TEST(DepthMeasurement, GivesTheColumnOfAVirtualRightCamera) {
-  const cv::Mat1f depth(480, 640, 2.0F);
+  const FloatImage depth = FloatImage::filled(640, 480, 2.0F);
   StereoMatches matches;
   measure_depth(kCamera, features_at({{100.25F, 50.0F}, {400.0F, 300.5F}}), depth, matches);
   EXPECT_EQ(matches.count, 2);
@@ -29,11 +29,11 @@ TEST(DepthMeasurement, GivesTheColumnOfAVirtualRightCamera) {
 }
 
 TEST(DepthMeasurement, LeavesOutWhatIsUnknown) {
-  cv::Mat1f depth(480, 640, 2.0F);
-  depth(50, 100) = 0.0F;
-  depth(51, 100) = std::numeric_limits<float>::quiet_NaN();
-  depth(52, 100) = std::numeric_limits<float>::infinity();
-  depth(53, 100) = -1.0F;
+  FloatImage depth = FloatImage::filled(640, 480, 2.0F);
+  depth.at(100, 50) = 0.0F;
+  depth.at(100, 51) = std::numeric_limits<float>::quiet_NaN();
+  depth.at(100, 52) = std::numeric_limits<float>::infinity();
+  depth.at(100, 53) = -1.0F;
   StereoMatches matches;
   // The last two lie outside the image, and to the left of what the virtual camera sees.
   measure_depth(kCamera, features_at({{100, 50}, {100, 51}, {100, 52}, {100, 53}, {639.6F, 20}, {10, 20}}),
@@ -48,7 +48,7 @@ TEST(DepthMeasurement, LeavesOutWhatIsUnknown) {
 TEST(DepthMeasurement, WithoutFeaturesThereIsNothing) {
   StereoMatches matches;
   matches.count = 5;
-  measure_depth(kCamera, {}, cv::Mat1f(480, 640, 1.0F), matches);
+  measure_depth(kCamera, {}, FloatImage::filled(640, 480, 1.0F), matches);
   EXPECT_EQ(matches.count, 0);
   EXPECT_TRUE(matches.u_right.empty());
 }

@@ -11,6 +11,7 @@
 #include "slam/frontend/features/orb_pattern.h"
 #include "slam/frontend/features/quadtree.h"
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam {
 namespace {
@@ -21,7 +22,7 @@ TEST(OrbExtractor, FindsAboutAsManyFeaturesAsWantedAndSpreadsThem) {
   settings.features = 1000;
   OrbExtractor extractor(settings);
   Features features;
-  extractor.extract(image, features);
+  extractor.extract(test::byte_image(image), features);
   EXPECT_GT(features.size(), 900);
   EXPECT_LT(features.size(), 1300);
   ASSERT_EQ(features.descriptors.size(), features.keypoints.size());
@@ -43,12 +44,12 @@ TEST(OrbExtractor, DescriptorsSurviveARotationOfTheImage) {
   const cv::Mat image = test::textured_image(400, 400, 2);
   OrbExtractor extractor(OrbSettings{});
   Features straight, turned;
-  extractor.extract(image, straight);
+  extractor.extract(test::byte_image(image), straight);
   const double angle = 37.0;
   const cv::Mat turn = cv::getRotationMatrix2D({199.5F, 199.5F}, angle, 1.0);
   cv::Mat turned_image;
   cv::warpAffine(image, turned_image, turn, image.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT);
-  extractor.extract(turned_image, turned);
+  extractor.extract(test::byte_image(turned_image), turned);
   int right = 0;
   const std::vector<Match> matches = match_descriptors(straight.descriptors, turned.descriptors, {});
   for (const Match& m : matches) {
@@ -68,9 +69,9 @@ TEST(OrbExtractor, PositionsDoNotDependOnTheLevel) {
   cv::circle(image, {200, 200}, 6, cv::Scalar(230), -1);
   cv::GaussianBlur(image, image, {0, 0}, 1.0);
   ImagePyramid pyramid;
-  pyramid.build(image, PyramidSettings{});
+  pyramid.build(test::byte_image(image), PyramidSettings{});
   for (int l = 0; l < pyramid.levels(); ++l) {
-    const cv::Moments m = cv::moments(pyramid.level(l) - 20);
+    const cv::Moments m = cv::moments(test::to_mat(pyramid.level(l)) - 20);
     const Eigen::Vector2f centre(static_cast<float>(m.m10 / m.m00), static_cast<float>(m.m01 / m.m00));
     const Eigen::Vector2f full = pyramid.to_full(centre, l);
     EXPECT_NEAR(full.x(), 200.0F, 0.15F) << "level " << l;
@@ -82,11 +83,11 @@ TEST(OrbExtractor, PositionsDoNotDependOnTheLevel) {
 TEST(OrbExtractor, ImagesWithoutTextureAndTinyImagesHaveNoFeatures) {
   OrbExtractor extractor(OrbSettings{});
   Features features;
-  for (const cv::Size size : {cv::Size(640, 480), cv::Size(33, 33), cv::Size(32, 200), cv::Size(1, 1)}) {
-    extractor.extract(cv::Mat::zeros(size, CV_8U), features);
+  for (const Size& size : {Size{640, 480}, {33, 33}, {32, 200}, {1, 1}}) {
+    extractor.extract(ByteImage::filled(size.width, size.height, 0), features);
     EXPECT_EQ(features.size(), 0);
   }
-  extractor.extract(cv::Mat(), features);
+  extractor.extract(ByteImage(), features);
   EXPECT_EQ(features.size(), 0);
 }
 
@@ -115,24 +116,22 @@ TEST(HammingDistance, CountsDifferingBits) {
 }
 
 TEST(SpreadCorners, KeepsTheStrongestOfEachRegion) {
-  std::vector<cv::KeyPoint> corners;
+  std::vector<Corner> corners;
   for (int i = 0; i < 500; ++i) {
-    const float x = static_cast<float>(100.0 * counter_uniform(1, 2 * std::uint64_t(i)));
-    const float y = static_cast<float>(50.0 * counter_uniform(1, 2 * std::uint64_t(i) + 1));
-    corners.emplace_back(x, y, 7.0F, -1.0F, static_cast<float>(i));
+    corners.push_back({static_cast<int>(100.0 * counter_uniform(1, 2 * std::uint64_t(i))),
+                       static_cast<int>(50.0 * counter_uniform(1, 2 * std::uint64_t(i) + 1)), i});
   }
-  const auto kept = spread_corners(corners, {0.0F, 0.0F, 100.0F, 50.0F}, 60);
+  const auto kept = spread_corners(corners, {0, 0, 100, 50}, 60);
   EXPECT_GE(kept.size(), 60U);
   EXPECT_LE(kept.size(), 63U);
-  EXPECT_TRUE(
-      std::any_of(kept.begin(), kept.end(), [](const cv::KeyPoint& k) { return k.response == 499.0F; }));
+  EXPECT_TRUE(std::any_of(kept.begin(), kept.end(), [](const Corner& c) { return c.score == 499; }));
 }
 
 TEST(SpreadCorners, TakesCoincidingCornersAndEmptyInput) {
-  const std::vector<cv::KeyPoint> same(300, cv::KeyPoint(5.0F, 5.0F, 7.0F));
-  EXPECT_EQ(spread_corners(same, {0.0F, 0.0F, 10.0F, 10.0F}, 50).size(), 1U);
-  EXPECT_TRUE(spread_corners({}, {0.0F, 0.0F, 10.0F, 10.0F}, 50).empty());
-  EXPECT_TRUE(spread_corners(same, {0.0F, 0.0F, 10.0F, 10.0F}, 0).empty());
+  const std::vector<Corner> same(300, Corner{5, 5, 7});
+  EXPECT_EQ(spread_corners(same, {0, 0, 10, 10}, 50).size(), 1U);
+  EXPECT_TRUE(spread_corners({}, {0, 0, 10, 10}, 50).empty());
+  EXPECT_TRUE(spread_corners(same, {0, 0, 10, 10}, 0).empty());
 }
 
 }  // namespace

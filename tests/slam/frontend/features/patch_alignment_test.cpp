@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam {
 namespace {
@@ -29,7 +30,7 @@ cv::Mat camera_image(std::uint64_t seed) {
 
 Patch patch_at(const cv::Mat& image, float u, float v) {
   ImagePyramid pyramid;
-  pyramid.build(image, {1, 1.2});
+  pyramid.build(test::byte_image(image), {1, 1.2});
   return extract_patch(pyramid, {u, v, 0, 0.0F, 0.0F});
 }
 
@@ -57,7 +58,7 @@ Errors measure(double zoom, double dx, double dy, double gain = 1.0, double nois
       ++errors.places;
       const auto p =
           align_patch(patch_at(from, static_cast<float>(u), static_cast<float>(v)), static_cast<float>(zoom),
-                      to, {static_cast<float>(u), static_cast<float>(v)});
+                      test::byte_image(to), {static_cast<float>(u), static_cast<float>(v)});
       if (!p) continue;
       ++errors.found;
       squares += (p->cast<double>() - Eigen::Vector2d(u + dx, v + dy)).squaredNorm();
@@ -100,7 +101,7 @@ TEST(PatchAlignment, KeepsThePlaceOfAFeatureBetweenPixels) {
   const Patch patch = patch_at(image, 100.3F, 80.7F);
   EXPECT_NEAR(patch.offset.x(), 0.3, 1e-4);
   EXPECT_NEAR(patch.offset.y(), -0.3, 1e-4);
-  const auto p = align_patch(patch, 1.0F, image, {100.8F, 80.4F});
+  const auto p = align_patch(patch, 1.0F, test::byte_image(image), {100.8F, 80.4F});
   ASSERT_TRUE(p);
   EXPECT_NEAR(p->x() + patch.offset.x(), 100.3, 0.02);
   EXPECT_NEAR(p->y() + patch.offset.y(), 80.7, 0.02);
@@ -110,23 +111,27 @@ TEST(PatchAlignment, RefusesWhatItCannotFind) {
   const cv::Mat image = camera_image(5), other = camera_image(6);
   const Patch patch = patch_at(image, 100.0F, 80.0F);
   ASSERT_FALSE(patch.empty());
-  EXPECT_TRUE(align_patch(patch, 1.0F, image, {100.0F, 80.0F}));
-  EXPECT_FALSE(align_patch(patch, 1.0F, other, {100.0F, 80.0F})) << "another texture";
-  EXPECT_FALSE(align_patch(Patch{}, 1.0F, image, {100.0F, 80.0F})) << "no patch";
+  EXPECT_TRUE(align_patch(patch, 1.0F, test::byte_image(image), {100.0F, 80.0F}));
+  EXPECT_FALSE(align_patch(patch, 1.0F, test::byte_image(other), {100.0F, 80.0F})) << "another texture";
+  EXPECT_FALSE(align_patch(Patch{}, 1.0F, test::byte_image(image), {100.0F, 80.0F})) << "no patch";
   const cv::Mat flat(240, 320, CV_8U, cv::Scalar(90));
-  EXPECT_FALSE(align_patch(patch_at(flat, 100.0F, 80.0F), 1.0F, image, {100.0F, 80.0F})) << "no structure";
-  EXPECT_FALSE(align_patch(patch, 1.0F, flat, {100.0F, 80.0F})) << "nothing there";
+  EXPECT_FALSE(align_patch(patch_at(flat, 100.0F, 80.0F), 1.0F, test::byte_image(image), {100.0F, 80.0F}))
+      << "no structure";
+  EXPECT_FALSE(align_patch(patch, 1.0F, test::byte_image(flat), {100.0F, 80.0F})) << "nothing there";
   cv::Mat edge(240, 320, CV_8U, cv::Scalar(60));
   edge.colRange(100, 320) = 180;
-  EXPECT_FALSE(align_patch(patch_at(edge, 100.0F, 80.0F), 1.0F, edge, {100.0F, 80.0F})) << "an edge";
+  EXPECT_FALSE(align_patch(patch_at(edge, 100.0F, 80.0F), 1.0F, test::byte_image(edge), {100.0F, 80.0F}))
+      << "an edge";
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(),
                   kInf = std::numeric_limits<float>::infinity();
   for (const float bad : {kNaN, kInf, -kInf, -5.0F, 4.9F, 315.0F, 1e9F}) {
-    EXPECT_FALSE(align_patch(patch, 1.0F, image, {bad, 80.0F})) << bad;
-    EXPECT_FALSE(align_patch(patch, 1.0F, image, {100.0F, bad < 0 || bad > 200 ? bad : kNaN})) << bad;
+    EXPECT_FALSE(align_patch(patch, 1.0F, test::byte_image(image), {bad, 80.0F})) << bad;
+    EXPECT_FALSE(
+        align_patch(patch, 1.0F, test::byte_image(image), {100.0F, bad < 0 || bad > 200 ? bad : kNaN}))
+        << bad;
   }
   for (const float ratio : {kNaN, 0.0F, -1.0F, 0.5F, 2.0F, kInf}) {
-    EXPECT_FALSE(align_patch(patch, ratio, image, {100.0F, 80.0F})) << ratio;
+    EXPECT_FALSE(align_patch(patch, ratio, test::byte_image(image), {100.0F, 80.0F})) << ratio;
   }
 }
 

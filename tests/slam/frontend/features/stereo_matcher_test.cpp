@@ -6,6 +6,7 @@
 
 #include "slam/frontend/features/orb_extractor.h"
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam {
 namespace {
@@ -16,8 +17,8 @@ struct Pair {
   StereoMatches matches;
 
   Pair(const StereoCamera& camera, const cv::Mat& left_image, const cv::Mat& right_image) {
-    left.extract(left_image, left_features);
-    right.extract(right_image, right_features);
+    left.extract(test::byte_image(left_image), left_features);
+    right.extract(test::byte_image(right_image), right_features);
     match_stereo(camera, left_features, right_features, left.pyramid(), right.pyramid(), matches);
   }
 };

@@ -7,6 +7,7 @@
 #include "slam/pipeline/slam.h"
 #include "slam/sources/open_dataset.h"
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::slam {
@@ -21,8 +22,8 @@ class StereoOrderCheck : public ::testing::Test {
   // Frame `index` of a wall that is seen with this disparity.
   void check(int index, const cv::Mat& left, const cv::Mat& right) {
     Features left_features, right_features;
-    left_orb.extract(left, left_features);
-    right_orb.extract(right, right_features);
+    left_orb.extract(test::byte_image(left), left_features);
+    right_orb.extract(test::byte_image(right), right_features);
     StereoMatches matches;
     match_stereo(camera, left_features, right_features, left_orb.pyramid(), right_orb.pyramid(), matches);
     order.check(index, camera, left_features, right_features, left_orb.pyramid(), right_orb.pyramid(),

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/cv_images.h"
 
 namespace penumbra::slam {
 namespace {
@@ -16,7 +17,7 @@ class FeatureRefinerTest : public ::testing::Test {
     cv::Mat image = test::textured_image(640, 480, 9);
     cv::GaussianBlur(image, image, cv::Size(7, 7), 1.5);
     image_ = image;
-    pyramid_.build(image_, settings_);
+    pyramid_.build(test::byte_image(image_), settings_);
     features_.left.keypoints = {{300.0F, 200.0F, 2, 0.0F, 1.0F}};
     features_.left.descriptors.resize(1);
     features_.u_right = {280.0F};
@@ -46,7 +47,7 @@ TEST_F(FeatureRefinerTest, FindsThePatchOfANearerPoint) {
   const cv::Mat zoom = (cv::Mat_<double>(2, 3) << 1.5, 0, -0.5 * 300, 0, 1.5, -0.5 * 200);
   cv::warpAffine(image_, nearer, zoom, image_.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
   ImagePyramid pyramid;
-  pyramid.build(nearer, settings_);
+  pyramid.build(test::byte_image(nearer), settings_);
   const Patch patch = extract_patch(pyramid_, {300.4F, 199.8F, 2, 0.0F, 1.0F});
   const FeatureRefiner refiner(pyramid, scales_);
   ASSERT_TRUE(refiner.refine(features_, 0, patch, 15.0, {300.0, 200.0}, 10.0));

@@ -1,0 +1,41 @@
+# The licences of the libraries whose code is in the program or in the report's page, as Debian's packages bring
+# them: one text that the program carries (`penumbra --licences`).
+
+# penumbra_collect_licences(FILE): writes FILE.
+function(penumbra_collect_licences file)
+  set(text "")
+  # name | where its code is | the packages that may bring its licence
+  foreach(entry IN ITEMS
+      "three.js|in the report's page|libjs-three"
+      "libpng|reads and writes PNG|libpng-dev"
+      "libjpeg-turbo|reads and writes JPEG|libjpeg62-turbo-dev,libjpeg-turbo8-dev,libjpeg-dev"
+      "zlib|compression of PNG and zip files|zlib1g-dev"
+      "Eigen|linear algebra|libeigen3-dev"
+      "xsimd|vector registers|libxsimd-dev"
+      "fmt|formatting of text|libfmt-dev"
+      "spdlog|messages on stderr|libspdlog-dev"
+      "CLI11|the command line|libcli11-dev"
+      "JSON for Modern C++|JSON|nlohmann-json3-dev"
+      "GCC's runtime: libstdc++, libgcc, libgomp|C++ and OpenMP|libstdc++6,libgomp1,gcc-12-base"
+      "GNU C library|C, within the static program|libc6")
+    string(REPLACE "|" ";" fields "${entry}")
+    list(GET fields 0 name)
+    list(GET fields 1 role)
+    list(GET fields 2 packages)
+    string(REPLACE "," ";" packages "${packages}")
+    set(licence "")
+    foreach(package IN LISTS packages)
+      if(EXISTS /usr/share/doc/${package}/copyright)
+        file(READ /usr/share/doc/${package}/copyright licence)
+        break()
+      endif()
+    endforeach()
+    if(NOT licence)
+      message(WARNING "no licence text of ${name} found: penumbra --licences will only name it")
+      set(licence "(its text was not found where this program was built)\n")
+    endif()
+    string(REPEAT "=" 100 rule)
+    string(APPEND text "${rule}\n${name}: ${role}\n${rule}\n\n${licence}\n")
+  endforeach()
+  file(GENERATE OUTPUT ${file} CONTENT "${text}")
+endfunction()
