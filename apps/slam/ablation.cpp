@@ -12,7 +12,7 @@
 #include "slam/evaluation/ape.h"
 #include "slam/evaluation/evaluation.h"
 #include "slam/evaluation/loop_evaluation.h"
-#include "slam/pipeline/slam.h"
+#include "slam/pipeline/recorder.h"
 #include "slam/sources/open_dataset.h"
 #include "slam/sources/prefetcher.h"
 #include "slam/world/street_sequence.h"
@@ -109,16 +109,17 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
                         const slam::Segmenter& segmenter) {
   const auto dataset = slam::open_dataset(drive.string(), {});
   slam::Slam slam(dataset->camera(), dataset->sensor(), settings_of(cell), segmenter);
-  for (slam::Prefetcher frames(*dataset); frames.has_next();) slam.process(frames.next());
-  slam.finish();
+  slam::Recorder record(slam);
+  for (slam::Prefetcher frames(*dataset); frames.has_next();) record.add(slam.process(frames.next()));
+  record.finish();
 
   int occluded = 0;
-  for (const slam::FrameResult& result : slam.results())
+  for (const slam::FrameResult& result : record.results())
     occluded += result.tracking.state == slam::TrackingState::occluded;
   const slam::Trajectory& truth = *dataset->ground_truth();
   slam::EvaluationOptions options;
   options.segment_lengths = {10.0, 20.0, 40.0};
-  const slam::Trajectory estimate = slam.trajectory();
+  const slam::Trajectory estimate = record.trajectory();
   const slam::Evaluation e = slam::evaluate_trajectory(truth, estimate, options);
   const slam::LoopEvaluation loops = loops_of(slam, truth);
   nlohmann::json json = {{"ate_m", e.ape.rmse},
@@ -127,13 +128,13 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
                          {"loops", loops.loops.size()},
                          {"loop_precision", loops.precision()},
                          {"loop_recall", loops.keyframe_recall()},
-                         {"tracked", slam.tracked()},
-                         {"lost", slam.lost() - occluded},
+                         {"tracked", record.tracked()},
+                         {"lost", record.lost() - occluded},
                          {"occluded", occluded},
                          {"keyframes", slam.map().keyframes().size()}};
   const auto& stages = slam.timer().stages();
   if (const auto frame = stages.find("frame"); frame != stages.end())
-    json["median_ms"] = quantile_of(frame->second, 0.5);
+    json["median_ms"] = quantile_of(frame->second.values(), 0.5);
   return json;
 }
 

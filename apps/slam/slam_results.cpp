@@ -25,10 +25,10 @@ namespace penumbra::apps {
 namespace {
 
 // Poses of the frames that were located.
-slam::Trajectory located(const slam::Slam& slam) {
-  slam::Trajectory all = slam.trajectory(), located;
+slam::Trajectory located(const slam::Recorder& record) {
+  slam::Trajectory all = record.trajectory(), located;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (slam.results()[i].tracking.state == slam::TrackingState::tracking) located.push_back(all[i]);
+    if (record.results()[i].tracking.state == slam::TrackingState::tracking) located.push_back(all[i]);
   }
   return located;
 }
@@ -94,7 +94,7 @@ class Writer {
 std::filesystem::path checkpoint_of(const std::filesystem::path& map) { return map.string() + ".checkpoint"; }
 
 // All that a run has found. What it has not is not left there from an earlier run either.
-void write_data(Writer& writer, const ResultPlaces& places, const slam::Slam& slam,
+void write_data(Writer& writer, const ResultPlaces& places, const slam::Recorder& record,
                 const slam::Trajectory& estimate, const slam::Trajectory& truth, const SlamRun& run,
                 const std::filesystem::path& map_file) {
   const auto write_path = [&](const char* name, const slam::Trajectory& trajectory, auto write) {
@@ -102,15 +102,15 @@ void write_data(Writer& writer, const ResultPlaces& places, const slam::Slam& sl
     writer.write([&] { trajectory.empty() ? void(std::filesystem::remove(file)) : write(file, trajectory); });
   };
   const auto as_tum = [](const auto& file, const auto& t) { slam::write_tum_trajectory(file, t); };
-  write_path("trajectory_kitti.txt", slam.trajectory(),
+  write_path("trajectory_kitti.txt", record.trajectory(),
              [](const auto& file, const auto& t) { slam::write_kitti_poses(file, t); });
   write_path("trajectory_tum.txt", estimate, as_tum);
-  write_path("keyframes_tum.txt", slam.keyframe_trajectory(), as_tum);
+  write_path("keyframes_tum.txt", record.slam().keyframe_trajectory(), as_tum);
   write_path("ground_truth_tum.txt", truth, as_tum);
-  writer.write([&] { nn::write_file(places.out / "run.json", to_text(slam_report(run, slam))); });
-  writer.write([&] { nn::write_file(places.out / "frames.json", frames_report(slam).dump() + "\n"); });
-  if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, slam.map()); });
-  writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(slam.map())); });
+  writer.write([&] { nn::write_file(places.out / "run.json", to_text(slam_report(run, record))); });
+  writer.write([&] { nn::write_file(places.out / "frames.json", frames_report(record).dump() + "\n"); });
+  if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, record.slam().map()); });
+  writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(record.slam().map())); });
 }
 
 }  // namespace
@@ -127,15 +127,15 @@ void prepare_places(const ResultPlaces& places) {
   if (!places.save_map.empty()) nn::require_writable_folder(map_folder.empty() ? "." : map_folder);
 }
 
-void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset, const slam::Slam& slam,
-                   SlamRun& run) {
+void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset,
+                   const slam::Recorder& record, SlamRun& run) {
   const std::filesystem::path& out = places.out;
-  const slam::Trajectory estimate = located(slam);
+  const slam::Trajectory estimate = located(record);
   const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
   const slam::Trajectory& truth = pair.reference;
   run.evaluation = evaluate(pair);
   Writer writer;
-  write_data(writer, places, slam, estimate, truth, run, places.save_map);
+  write_data(writer, places, record, estimate, truth, run, places.save_map);
   if (estimate.empty()) {
     writer.draw([&] { std::filesystem::remove(out / "trajectory.svg"); });
   } else {
@@ -144,15 +144,15 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
     writer.draw(
         [&] { slam::write_plot(out / "trajectory.svg", slam::draw_trajectories(estimate, truth, plot)); });
   }
-  writer.draw([&] { write_keyframe_gallery(out / "gallery", dataset, slam); });
+  writer.draw([&] { write_keyframe_gallery(out / "gallery", dataset, record); });
   writer.throw_failures();
   std::error_code none;
   if (!places.save_map.empty()) std::filesystem::remove(checkpoint_of(places.save_map), none);
 }
 
-void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const SlamRun& run) {
+void write_checkpoint(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
   Writer writer;
-  write_data(writer, places, slam, located(slam), {}, run,
+  write_data(writer, places, record, located(record), {}, run,
              places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
   // Pictures of an earlier run would not show what is written now.
   writer.draw([&] { std::filesystem::remove(places.out / "trajectory.svg"); });
@@ -160,8 +160,8 @@ void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const 
   writer.throw_failures();
 }
 
-void warn_of_pieces(const slam::Slam& slam) {
-  const std::vector<slam::SubmapSummary> submaps = slam.submaps();
+void warn_of_pieces(const slam::Recorder& record) {
+  const std::vector<slam::SubmapSummary> submaps = record.submaps();
   for (std::size_t i = 1; i < submaps.size(); ++i) {
     if (submaps[i].frames == 0) continue;  // of a map that was loaded
     log_warning(

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/view/slam_report.h"
-#include "slam/pipeline/slam.h"
+#include "slam/pipeline/recorder.h"
 #include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::apps {
@@ -24,16 +24,16 @@ void prepare_places(const ResultPlaces& places);
 // before what can be drawn again; fills run.evaluation where there is ground truth. What cannot be written
 // costs only itself: of a picture a warning, of all else an Error that names it once everything else is
 // written.
-void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset, const slam::Slam& slam,
-                   SlamRun& run);
+void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset,
+                   const slam::Recorder& record, SlamRun& run);
 
 // The same, without pictures and ground truth, in the middle of a run, whose worker may go on; the map of
 // --save-map beside its place, with the ending .checkpoint, which write_results removes. Throws as
 // write_results does.
-void write_checkpoint(const ResultPlaces& places, const slam::Slam& slam, const SlamRun& run);
+void write_checkpoint(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run);
 
 // Says which pieces of the map nothing ties to the first: they stand where they were guessed.
-void warn_of_pieces(const slam::Slam& slam);
+void warn_of_pieces(const slam::Recorder& record);
 
 // `report`: what write_results wrote as run.json.
 void print_summary(const nlohmann::json& report, const std::filesystem::path& out);

@@ -17,6 +17,7 @@
 #include "apps/view/live_view.h"
 #include "nn/base/error.h"
 #include "slam/map/map_file.h"
+#include "slam/pipeline/recorder.h"
 #include "slam/pipeline/run_check.h"
 #include "slam/pipeline/slam.h"
 #include "slam/sources/open_dataset.h"
@@ -104,11 +105,11 @@ class Checkpoints {
  public:
   explicit Checkpoints(double seconds) : between_(seconds), next_(Clock::now() + between_) {}
   bool is_due() const { return between_.count() > 0.0 && Clock::now() >= next_; }
-  void write(const ResultPlaces& places, const slam::Slam& slam, const SlamRun& run) {
+  void write(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
     constexpr double kWorkPerWriting = 20.0;
     const Clock::time_point begin = Clock::now();
     try {
-      write_checkpoint(places, slam, run);
+      write_checkpoint(places, record, run);
     } catch (const Error& error) {
       log_warning("checkpoint: {}", error.what());
     }
@@ -125,11 +126,12 @@ class Checkpoints {
 // One run, from the first frame to the last.
 class FrameLoop {
  public:
-  FrameLoop(const SlamOptions& options, const slam::StereoDataset& dataset, slam::Slam& slam, LiveView* view,
-            SlamRun& run)
+  FrameLoop(const SlamOptions& options, const slam::StereoDataset& dataset, slam::Slam& slam,
+            slam::Recorder& record, LiveView* view, SlamRun& run)
       : options_(options),
         dataset_(dataset),
         slam_(slam),
+        record_(record),
         view_(view),
         run_(run),
         check_(dataset.camera(), dataset.sensor()) {}
@@ -150,10 +152,10 @@ class FrameLoop {
         run_.error = error.what();
       }
       tell();
-      progress.update(static_cast<int>(slam_.results().size()));
+      progress.update(static_cast<int>(record_.results().size()));
       if (checkpoints.is_due()) {
         sum_up();
-        checkpoints.write(places, slam_, run_);
+        checkpoints.write(places, record_, run_);
       }
     }
     sum_up();
@@ -178,9 +180,10 @@ class FrameLoop {
       check_.add_unreadable(result.index);
       run_.unreadable_frames.push_back(result.index);
     }
-    if (view_ != nullptr) view_->add(result, images ? images->left : ByteImage());
-    if (result.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", result.index);
-    if (result.tracking.recovered) log_info("frame {}: found again", result.index);
+    const slam::FrameResult& kept = record_.add(std::move(result));
+    if (view_ != nullptr) view_->add(kept, images ? images->left : ByteImage());
+    if (kept.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", kept.index);
+    if (kept.tracking.recovered) log_info("frame {}: found again", kept.index);
   }
 
   void tell() {
@@ -205,6 +208,7 @@ class FrameLoop {
   const SlamOptions& options_;
   const slam::StereoDataset& dataset_;
   slam::Slam& slam_;
+  slam::Recorder& record_;
   LiveView* const view_;
   SlamRun& run_;
   slam::RunCheck check_;
@@ -213,14 +217,14 @@ class FrameLoop {
 
 // Throws Error where the run was stopped, or located nothing, or fewer frames than are asked for. What it
 // says is the last line.
-void judge(const SlamOptions& options, const slam::Slam& slam, const SlamRun& run) {
+void judge(const SlamOptions& options, const slam::Recorder& record, const SlamRun& run) {
   if (!run.error.empty()) throw Error(run.error);
-  const double share = slam.tracked() / static_cast<double>(slam.results().size());
+  const double share = record.tracked() / static_cast<double>(record.results().size());
   if (share < options.require_tracked) {
     throw Error(
         fmt::format("{}. --require-tracked asks for {:g} %", run.why_lost, 100.0 * options.require_tracked));
   }
-  if (slam.tracked() == 0) throw Error(run.why_lost);
+  if (record.tracked() == 0) throw Error(run.why_lost);
   if (!run.why_lost.empty()) log_warning("{}", run.why_lost);
 }
 
@@ -250,25 +254,26 @@ void run_slam(const SlamOptions& options) {
 
   omp_set_num_threads(settings.threads);
   slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter, std::move(map));
+  slam::Recorder record(slam);
   std::optional<LiveView> view;
   if (!options.view.empty()) {
-    view.emplace(port, run, dataset->size(), slam);
+    view.emplace(port, run, dataset->size(), record);
     log_info("watch it on {}", view->address());
   }
   const Interruption interruption;  // until the results are written
   const double cpu_before = process_usage().cpu_seconds;
-  FrameLoop(options, *dataset, slam, view ? &*view : nullptr, run).run(places);
-  slam.finish();
+  FrameLoop(options, *dataset, slam, record, view ? &*view : nullptr, run).run(places);
+  record.finish();
   const ProcessUsage usage = process_usage();
   run.finished = true;
   run.cpu_seconds = usage.cpu_seconds - cpu_before;
   run.peak_rss_mb = usage.peak_rss_mb;
-  warn_of_pieces(slam);
+  warn_of_pieces(record);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
-  write_results(places, *dataset, slam, run);
-  print_summary(slam_report(run, slam), places.out);
-  if (view && !slam.results().empty()) view->finish(places.out);
-  judge(options, slam, run);
+  write_results(places, *dataset, record, run);
+  print_summary(slam_report(run, record), places.out);
+  if (view && !record.results().empty()) view->finish(places.out);
+  judge(options, record, run);
 }
 
 }  // namespace penumbra::apps

@@ -39,21 +39,17 @@ const char* name_of(slam::TrackingState state) {
   return "lost";
 }
 
-nlohmann::json frames_report(const slam::Slam& slam) {
+nlohmann::json frames_report(const slam::Recorder& record) {
   nlohmann::json json;
   for (const char* key : {"index", "timestamp", "state", "ms", "features", "stereo_features",
                           "movable_features", "covered_share", "matches", "inliers", "keyframe", "filter"}) {
     json[key] = nlohmann::json::array();
   }
-  const auto& results = slam.results();
-  const auto stage = slam.timer().stages().find("frame");
-  const slam::Trajectory trajectory = slam.trajectory();
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const slam::FrameResult& r = results[i];
+  for (const slam::FrameResult& r : record.results()) {
     json["index"].push_back(r.index);
-    json["timestamp"].push_back(trajectory[i].timestamp);
+    json["timestamp"].push_back(r.timestamp);
     json["state"].push_back(name_of(r.tracking.state));
-    json["ms"].push_back(stage != slam.timer().stages().end() ? rounded(stage->second[i]) : 0.0);
+    json["ms"].push_back(rounded(r.milliseconds));
     json["features"].push_back(r.features);
     json["stereo_features"].push_back(r.stereo_features);
     json["movable_features"].push_back(r.movable_features);

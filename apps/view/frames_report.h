@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "slam/pipeline/slam.h"
+#include "slam/pipeline/recorder.h"
 
 namespace penumbra::apps {
 
@@ -13,6 +13,6 @@ const char* name_of(slam::TrackingState state);
 // movable_features, matches, inliers, keyframe, and filter: the mismatch filter's histogram as {from, width
 // (pixels moved, or from where the compensated filter expects them), kept [a bin], removed [a bin]}, null
 // where it did not run.
-nlohmann::json frames_report(const slam::Slam& slam);
+nlohmann::json frames_report(const slam::Recorder& record);
 
 }  // namespace penumbra::apps

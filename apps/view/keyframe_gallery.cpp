@@ -22,27 +22,27 @@ void clear_keyframe_gallery(const std::filesystem::path& folder) {
 }
 
 void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
-                            const slam::Slam& slam, int most) {
+                            const slam::Recorder& record, int most) {
   clear_keyframe_gallery(folder);
   std::filesystem::create_directories(folder);
   std::map<int, int> row_of;  // frame number -> place in the dataset
-  for (std::size_t i = 0; i < slam.results().size(); ++i)
-    row_of[slam.results()[i].index] = static_cast<int>(i);
-  const auto& keyframes = slam.map().keyframes();
+  for (std::size_t i = 0; i < record.results().size(); ++i)
+    row_of[record.results()[i].index] = static_cast<int>(i);
+  const auto& keyframes = record.slam().map().keyframes();
   const int count = static_cast<int>(keyframes.size()), shown = std::min(count, most);
   for (int n = 0; n < shown; ++n) {
     const slam::KeyFrame& keyframe =
         *keyframes[static_cast<std::size_t>(n) * static_cast<std::size_t>(count) /
                    static_cast<std::size_t>(shown)];
     const auto row = row_of.find(keyframe.frame_index);
-    if (row == row_of.end() || slam.is_loaded(keyframe)) continue;
-    const auto seen = slam.sightings().find(keyframe.frame_index);
+    if (row == row_of.end() || record.slam().is_loaded(keyframe)) continue;
+    const auto seen = record.sightings().find(keyframe.frame_index);
     const auto sightings =
-        seen != slam.sightings().end() ? seen->second : std::vector<slam::InstanceSighting>{};
+        seen != record.sightings().end() ? seen->second : std::vector<slam::InstanceSighting>{};
     try {
       nn::write_image(folder / fmt::format("{:06d}.jpg", keyframe.frame_index),
                       draw_frame(dataset.load(row->second).left,
-                                 slam::frame_view(*keyframe.features, keyframe.points, sightings)));
+                                 slam::frame_view(keyframe.view(), keyframe.points, sightings)));
     } catch (const InputError&) {
       continue;
     }

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "slam/pipeline/slam.h"
+#include "slam/pipeline/recorder.h"
 #include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::apps {
@@ -12,7 +12,7 @@ namespace penumbra::apps {
 // apps/view/frame_picture.h draws them. What an earlier run left in `folder` is removed first. Frames that
 // can no longer be read are left out.
 void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
-                            const slam::Slam& slam, int most = 60);
+                            const slam::Recorder& record, int most = 60);
 
 // Removes such pictures, and nothing else, from `folder`, which need not exist.
 void clear_keyframe_gallery(const std::filesystem::path& folder);

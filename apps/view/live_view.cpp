@@ -37,10 +37,10 @@ double rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
 }  // namespace
 
-LiveView::LiveView(std::optional<int> port, const SlamRun& run, int frames, const slam::Slam& slam)
+LiveView::LiveView(std::optional<int> port, const SlamRun& run, int frames, const slam::Recorder& record)
     : page_(make_live_page(run.dataset)),
       frames_(frames),
-      slam_(slam),
+      record_(record),
       asked_((Clock::now() - 2 * kLookingOn).time_since_epoch().count()),
       server_(port, routes()) {}
 
@@ -64,14 +64,13 @@ void LiveView::add(const slam::FrameResult& result, const ByteImage& left) {
   Picture picture;
   if (Clock::now() - given_ >= kBetweenPictures && wanted_.exchange(false)) {
     given_ = Clock::now();
-    trajectory = slam_.trajectory();
-    picture = {left, slam_.newest_view()};
+    trajectory = record_.trajectory();
+    picture = {left, record_.slam().newest_view()};
   }
-  const auto times = slam_.timer().stages().find("frame");
-  const double milliseconds = times == slam_.timer().stages().end() ? 0.0 : times->second.back();
   const std::lock_guard lock(mutex_);
   ++version_;
-  rows_.push_back({result.index, result.tracking.state, milliseconds, result.T_wc.translation, version_});
+  rows_.push_back(
+      {result.index, result.tracking.state, result.milliseconds, result.T_wc.translation, version_});
   keyframes_ += result.keyframe;
   move_rows(trajectory);
   if (!picture.left.empty()) std::swap(picture_, picture);
@@ -121,7 +120,7 @@ Answer LiveView::state(const Query& query) {
     json["picture"] = !picture_.left.empty();
   }
   json["total"] = frames_;
-  json["loops"] = revisits_json(slam_.loops(), slam_.settings().loops);
+  json["loops"] = revisits_json(record_.slam().loops(), record_.slam().settings().loops);
   nlohmann::json& rows = json["rows"];
   for (const char* key : {"index", "state", "ms", "position"}) rows[key] = nlohmann::json::array();
   for (const Row& row : changed) {
@@ -137,7 +136,7 @@ Answer LiveView::state(const Query& query) {
 Answer LiveView::points() {
   const std::lock_guard lock(points_mutex_);
   if (points_.empty() || Clock::now() - points_made_ >= kBetweenPoints) {
-    points_ = points_json(slam::point_cloud_of(slam_.map()).vertices, kMostPagePoints).dump();
+    points_ = points_json(slam::point_cloud_of(record_.slam().map()).vertices, kMostPagePoints).dump();
     points_made_ = Clock::now();
   }
   return {"application/json", points_};

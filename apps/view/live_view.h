@@ -25,22 +25,22 @@
 #include "apps/view/local_server.h"
 #include "apps/view/slam_report.h"
 #include "nn/image/image.h"
-#include "slam/pipeline/slam.h"
+#include "slam/pipeline/recorder.h"
 
 namespace penumbra::apps {
 
 class LiveView {
  public:
-  // Serves from now on; `frames`: how many there will be. `slam` must live longer. Throws Error where the
+  // Serves from now on; `frames`: how many there will be. `record` must live longer. Throws Error where the
   // port is taken (apps/view/local_server.h says what `port` means).
-  LiveView(std::optional<int> port, const SlamRun& run, int frames, const slam::Slam& slam);
+  LiveView(std::optional<int> port, const SlamRun& run, int frames, const slam::Recorder& record);
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
   std::string address() const { return server_.address(); }
   bool is_watched() const;  // somebody has asked during the last three seconds
 
-  // The newest frame; from the thread that calls Slam::process().
+  // The newest frame, which the recorder has; from the thread that calls Slam::process().
   void add(const slam::FrameResult& result, const ByteImage& left);
   // The run is over and its results are in `run_folder`. Where somebody looks it gives them two seconds to
   // fetch the report, otherwise it returns at once. Throws as report_data does.
@@ -71,7 +71,7 @@ class LiveView {
 
   const std::string page_;
   const int frames_;
-  const slam::Slam& slam_;
+  const slam::Recorder& record_;
   std::atomic<bool> wanted_{false};  // trajectory and picture
   std::atomic<Clock::rep> asked_;    // when somebody last did
   Clock::time_point given_;          // when the tracker last gave trajectory and picture

@@ -59,9 +59,9 @@ const char* name_of(slam::MotionState state) {
   return "moving";
 }
 
-nlohmann::json instances_json(const slam::Slam& slam) {
+nlohmann::json instances_json(const slam::Recorder& record) {
   nlohmann::json list = nlohmann::json::array();
-  for (const slam::TrackedInstance& instance : slam.instances()) {
+  for (const slam::TrackedInstance& instance : record.instances()) {
     list.push_back(
         {{"id", instance.id},
          {"class", instance.class_name},
@@ -123,9 +123,9 @@ struct MapSummary {
   nlohmann::json covisibility = nlohmann::json::array();
 };
 
-MapSummary summary_of(const slam::Slam& slam) {
+MapSummary summary_of(const slam::Recorder& record) {
   MapSummary summary;
-  const slam::Map& map = slam.map();
+  const slam::Map& map = record.slam().map();
   const std::shared_lock lock(map.mutex());
   for (const auto& point : map.points()) {
     if (point->erased) continue;
@@ -135,9 +135,9 @@ MapSummary summary_of(const slam::Slam& slam) {
   summary.disparity_offset = map.camera().disparity_offset;
   summary.keyframes = map.keyframes().size();
   for (const slam::KeyFrame* keyframe : map.keyframes()) {
-    if (!slam.is_loaded(*keyframe)) summary.keyframe_frames.push_back(keyframe->frame_index);
+    if (!record.slam().is_loaded(*keyframe)) summary.keyframe_frames.push_back(keyframe->frame_index);
     for (const slam::Covisible& c : keyframe->covisibles) {
-      if (c.keyframe->id >= keyframe->id || slam.is_loaded(*c.keyframe)) continue;
+      if (c.keyframe->id >= keyframe->id || record.slam().is_loaded(*c.keyframe)) continue;
       summary.covisibility.push_back({keyframe->frame_index, c.keyframe->frame_index, c.shared_points});
     }
   }
@@ -148,14 +148,14 @@ MapSummary summary_of(const slam::Slam& slam) {
 struct Way {
   double metres = 0.0, seconds = 0.0;
 };
-Way way_of(const slam::Slam& slam) {
+Way way_of(const slam::Recorder& record) {
   Way way;
-  const slam::Trajectory trajectory = slam.trajectory();
+  const slam::Trajectory trajectory = record.trajectory();
   const auto is_located = [&](std::size_t i) {
-    return slam.results()[i].tracking.state == slam::TrackingState::tracking;
+    return record.results()[i].tracking.state == slam::TrackingState::tracking;
   };
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    if (!is_located(i - 1) || !is_located(i) || slam.results()[i].tracking.starts_submap) continue;
+    if (!is_located(i - 1) || !is_located(i) || record.results()[i].tracking.starts_submap) continue;
     way.metres += (trajectory[i].T_wc.translation - trajectory[i - 1].T_wc.translation).norm();
     way.seconds += trajectory[i].timestamp - trajectory[i - 1].timestamp;
   }
@@ -175,18 +175,18 @@ nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,
   return json;
 }
 
-nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
+nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   int filter_kept = 0, filter_removed = 0, movable_features = 0;
   std::vector<int> lost_frames, occluded_frames;
-  for (const slam::FrameResult& result : slam.results()) {
+  for (const slam::FrameResult& result : record.results()) {
     filter_kept += result.tracking.filter.kept;
     filter_removed += result.tracking.filter.removed;
     movable_features += result.movable_features;
     if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
     if (result.tracking.state == slam::TrackingState::occluded) occluded_frames.push_back(result.index);
   }
-  const MapSummary map = summary_of(slam);
-  const Way way = way_of(slam);
+  const MapSummary map = summary_of(record);
+  const Way way = way_of(record);
 
   nlohmann::json json;
   json["dataset"] = run.dataset;
@@ -196,10 +196,10 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   if (!run.error.empty()) json["error"] = run.error;
   json["warnings"] = run.warnings;
   if (!run.why_lost.empty()) json["why_lost"] = run.why_lost;
-  json["settings"] = settings_json(run, slam.settings());
-  json["frames"] = slam.results().size();
-  json["tracked"] = slam.tracked();
-  json["lost"] = slam.lost();
+  json["settings"] = settings_json(run, record.slam().settings());
+  json["frames"] = record.results().size();
+  json["tracked"] = record.tracked();
+  json["lost"] = record.lost();
   json["lost_frames"] = lost_frames;
   json["unreadable_frames"] = run.unreadable_frames;
   json["path_m"] = rounded(way.metres);
@@ -212,27 +212,27 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam) {
   json["disparity_offset_px"] = rounded(map.disparity_offset);
   json["movable_features"] = movable_features;
   json["occluded_frames"] = occluded_frames;
-  json["instances"] = instances_json(slam);
+  json["instances"] = instances_json(record);
   if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
-  const double frames = static_cast<double>(std::max<std::size_t>(slam.results().size(), 1));
+  const double frames = static_cast<double>(std::max<std::size_t>(record.results().size(), 1));
   json["cpu_ms_per_frame"] = rounded(1000.0 * run.cpu_seconds / frames);
   json["peak_rss_mb"] = rounded(run.peak_rss_mb);
-  for (const auto& [stage, times] : slam.timer().stages()) {
-    const double median = rounded(quantile_of(times, 0.5));
+  for (const auto& [stage, times] : record.slam().timer().stages()) {
+    const double median = rounded(quantile_of(times.values(), 0.5));
     if (stage == "frame") {
       json["median_ms"] = median;
-      json["p95_ms"] = rounded(quantile_of(times, 0.95));
+      json["p95_ms"] = rounded(quantile_of(times.values(), 0.95));
     } else {
       json["stages"][stage] = median;
     }
   }
   json["mismatch_filter"] = {{"kept", filter_kept}, {"removed", filter_removed}};
   if (run.evaluation) json["ground_truth"] = ground_truth_json(*run.evaluation);
-  const std::vector<slam::ClosedLoop> loops = slam.loops();
-  json["loops"] = revisits_json(loops, slam.settings().loops);
+  const std::vector<slam::ClosedLoop> loops = record.slam().loops();
+  json["loops"] = revisits_json(loops, record.slam().settings().loops);
   json["loop_closures"] = loop_closures_json(loops);
-  json["recognised_places"] = recognised_json(slam.recognised_places());
-  json["submaps"] = submaps_json(slam.submaps());
+  json["recognised_places"] = recognised_json(record.slam().recognised_places());
+  json["submaps"] = submaps_json(record.submaps());
   json["keyframe_frames"] = map.keyframe_frames;
   json["covisibility"] = map.covisibility;
   return json;

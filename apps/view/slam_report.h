@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "slam/evaluation/evaluation.h"
-#include "slam/pipeline/slam.h"
+#include "slam/pipeline/recorder.h"
 
 namespace penumbra::apps {
 
@@ -38,7 +38,7 @@ struct SlamRun {
 // submaps (pieces of the map that are not tied to each other, see slam/pipeline/slam.h), keyframe_frames,
 // covisibility (frame, earlier frame, points that both keyframes see). The thread that calls Slam::process()
 // may ask, also before finish().
-nlohmann::json slam_report(const SlamRun& run, const slam::Slam& slam);
+nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record);
 
 // The loops in which this run came to a place of its own again: pairs of frames, the later first.
 nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,

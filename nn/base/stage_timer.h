@@ -1,10 +1,11 @@
-// Wall-clock time per stage of the pipeline, in milliseconds.
+// Wall-clock time per stage of the pipeline, in milliseconds. Of a stage that runs very often only a sample
+// is kept (nn/base/samples.h).
 #pragma once
 
 #include <map>
 #include <string>
-#include <vector>
 
+#include "nn/base/samples.h"
 #include "nn/base/stopwatch.h"
 
 namespace penumbra {
@@ -26,18 +27,17 @@ class StageTimer {
   };
 
   Scope measure(const char* stage) { return Scope(*this, stage); }
-  void add(const std::string& stage, double milliseconds) { stages_[stage].push_back(milliseconds); }
+  void add(const std::string& stage, double milliseconds) { stages_[stage].add(milliseconds); }
   void merge(const StageTimer& other) {
     for (const auto& [stage, times] : other.stages_) {
-      std::vector<double>& own = stages_[stage];
-      own.insert(own.end(), times.begin(), times.end());
+      Samples& own = stages_[stage];
+      for (const double time : times.values()) own.add(time);
     }
   }
-  // Stage -> one entry per time it ran.
-  const std::map<std::string, std::vector<double>>& stages() const { return stages_; }
+  const std::map<std::string, Samples>& stages() const { return stages_; }
 
  private:
-  std::map<std::string, std::vector<double>> stages_;
+  std::map<std::string, Samples> stages_;
 };
 
 }  // namespace penumbra

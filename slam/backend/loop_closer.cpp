@@ -88,9 +88,9 @@ std::optional<VerifiedPlace> LoopCloser::recognise(const KeyFrame& keyframe) con
   const auto excluded = [&](const KeyFrame& other) { return around.count(other.id) > 0; };
   const Constellation objects = constellation_around(keyframe, settings_.verifier.constellation.neighbours);
   std::optional<VerifiedPlace> best;
-  for (const PlaceCandidate& candidate : index_.query(*keyframe.features, settings_.candidates, excluded)) {
+  for (const PlaceCandidate& candidate : index_.query(keyframe.view(), settings_.candidates, excluded)) {
     std::optional<VerifiedPlace> place =
-        verify_place(map_, *keyframe.features, candidate.keyframe,
+        verify_place(map_, keyframe.view(), candidate.keyframe,
                      static_cast<std::uint64_t>(keyframe.frame_index), settings_.verifier, objects);
     if (!place || (best && place->inliers <= best->inliers)) continue;
     KeyFrame* nearest = revisited(keyframe, *place);

@@ -34,7 +34,7 @@ std::ptrdiff_t MapWorker::waiting_keyframes() const {
 }
 
 void MapWorker::submit(MapWork work) {
-  Task task{nullptr, std::move(work.moving), std::move(work.objects)};
+  Task task{nullptr, std::move(work.edits)};
   const bool has_keyframe = work.keyframe != nullptr;
   if (threaded_) {
     std::unique_lock lock(mutex_);
@@ -120,8 +120,8 @@ KeyFrame* MapWorker::insert(MapWork work) {
 }
 
 void MapWorker::process(const Task& task) {
-  take_out(task.moving);
-  note(task.objects);
+  take_out(task.edits.moving);
+  note(task.edits.objects);
   if (task.keyframe == nullptr) return;
   KeyFrame* keyframe = task.keyframe;
   {
@@ -144,7 +144,7 @@ void MapWorker::take_out(const std::vector<MovingFeatures>& moving) {
   for (const auto& [keyframe, features] : moving) {
     if (keyframe->erased) continue;
     for (const int feature : features) {
-      keyframe->features->movable[static_cast<std::size_t>(feature)] = 1;
+      keyframe->movable[static_cast<std::size_t>(feature)] = 1;
       MapPoint* point = keyframe->points[static_cast<std::size_t>(feature)];
       if (point != nullptr) map_.erase_point(point);
     }

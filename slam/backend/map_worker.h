@@ -40,7 +40,7 @@
 #include "slam/backend/full_bundle_adjustment.h"
 #include "slam/backend/local_mapper.h"
 #include "slam/backend/loop_closer.h"
-#include "slam/dynamics/keyframe_labels.h"
+#include "slam/dynamics/dynamics.h"
 
 namespace penumbra::slam {
 
@@ -52,8 +52,7 @@ struct MapWork {
   // What its pose was found against. Where that has been moved meanwhile, by a loop, the keyframe follows.
   const KeyFrame* reference = nullptr;  // nullptr for none
   SE3 reference_T_cw;
-  std::vector<MovingFeatures> moving;    // to be taken out of the map
-  std::vector<KeyframeObjects> objects;  // of keyframes in the map or of this one
+  MapEdits edits;  // of keyframes in the map or of this one
 };
 
 class MapWorker {
@@ -77,8 +76,7 @@ class MapWorker {
   // What waits for the worker: a keyframe to map, or changes of others.
   struct Task {
     KeyFrame* keyframe = nullptr;
-    std::vector<MovingFeatures> moving;
-    std::vector<KeyframeObjects> objects;
+    MapEdits edits;
   };
 
   static constexpr std::ptrdiff_t kHurry = 1, kLongestQueue = 3;  // keyframes that wait

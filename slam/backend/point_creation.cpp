@@ -18,12 +18,12 @@ constexpr double kCosLeastParallax = 0.9998;  // 1.15 degrees
 constexpr double kLongestSearch = 120.0;      // pixels along the epipolar line
 
 bool is_free(const KeyFrame& keyframe, int i) {
-  return keyframe.points[static_cast<std::size_t>(i)] == nullptr && !keyframe.features->is_movable(i);
+  return keyframe.points[static_cast<std::size_t>(i)] == nullptr && !keyframe.view().is_movable(i);
 }
 
 Eigen::Vector2d pixel_of(const KeyFrame& keyframe, int i) {
-  const Keypoint& k = keyframe.features->keypoint(i);
-  return {k.u, k.v};
+  const FeaturePixel pixel = keyframe.view().pixel(i);
+  return {pixel.u, pixel.v};
 }
 
 // Searches pairs of one keyframe and one neighbour.
@@ -108,7 +108,7 @@ class PairSearch {
     return keyframe.T_cw.inverse() * camera_.back_project(pixel.x(), pixel.y(), depth);
   }
   bool agrees(const KeyFrame& keyframe, int i, const Eigen::Vector3d& X) const {
-    const PixelMeasurement z = measurement_of(*keyframe.features, i, scales_);
+    const PixelMeasurement z = measurement_of(keyframe.view(), i, scales_);
     const Eigen::Vector3d p = keyframe.T_cw * X;
     return p.z() > 0.0 && reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
   }
@@ -124,11 +124,11 @@ class PairSearch {
 }  // namespace
 
 int create_stereo_points(KeyFrame* keyframe, Map& map, const PointCreationSettings& settings) {
-  const FrameFeatures& features = *keyframe->features;
+  const FeatureView features = keyframe->view();
   std::vector<std::pair<float, int>> by_depth;
   for (int i = 0; i < features.size(); ++i) {
     if (features.has_stereo(i) && !features.is_movable(i)) {
-      by_depth.emplace_back(features.depth[static_cast<std::size_t>(i)], i);
+      by_depth.emplace_back(features.depth(i), i);
     }
   }
   std::sort(by_depth.begin(), by_depth.end());
@@ -138,8 +138,8 @@ int create_stereo_points(KeyFrame* keyframe, Map& map, const PointCreationSettin
     if (depth > close_depth(map.camera(), settings) && seen >= settings.fewest_stereo_points) break;
     ++seen;
     if (!is_free(*keyframe, i)) continue;
-    const Keypoint& k = features.keypoint(i);
-    map.add_point(T_wc * map.camera().back_project(k.u, k.v, depth), keyframe, i);
+    const FeaturePixel pixel = features.pixel(i);
+    map.add_point(T_wc * map.camera().back_project(pixel.u, pixel.v, depth), keyframe, i);
     ++created;
   }
   return created;

@@ -22,10 +22,10 @@ int fuse_points(Map& map, KeyFrame* keyframe, const std::vector<MapPoint*>& poin
     projections.push_back(*projection);
   }
   int found = 0;
-  for (const Match& match : match_projections(projections, *keyframe->features, {}, map.scales(), settings)) {
+  for (const Match& match : match_projections(projections, keyframe->view(), {}, map.scales(), settings)) {
     MapPoint* point = points[static_cast<std::size_t>(match.source)];
     if (point->erased) continue;
-    const PixelMeasurement z = measurement_of(*keyframe->features, match.feature, map.scales());
+    const PixelMeasurement z = measurement_of(keyframe->view(), match.feature, map.scales());
     const Eigen::Vector3d e = reprojection_error(map.camera(), keyframe->T_cw * point->position, z);
     if (e.squaredNorm() * z.inverse_variance > z.gate()) continue;
     ++found;

@@ -23,45 +23,48 @@ bool travels(const PointOrigin& from, const PointOrigin& now, double least_speed
 
 // How little the new frame's features look like feature `i` of the past where its point is if it stands.
 // Where that is out of sight, how little the others of the past do, one of which may have come to its place.
-int CompanionFinder::distance_if_still(const Past& past, int i, const FrameFeatures& features,
+int CompanionFinder::distance_if_still(const Past& past, int i, const FeatureView& features,
                                        const SE3& T_co) const {
   constexpr float kRadius = 6.0F;  // pixels
-  const Descriptor& looks = past.features->descriptor(i);
+  const FeatureView before = past.view();
+  const Descriptor& looks = before.descriptor(i);
   int distance = 256;
   const Eigen::Vector3d p = T_co * past.origins[static_cast<std::size_t>(i)].position;
   const Eigen::Vector2d pixel = p.z() > 0.0 ? camera_.project(p) : Eigen::Vector2d(-1.0, -1.0);
   if (camera_.in_image(pixel)) {
-    features.grid.visit_near(
+    features.measured().grid.visit_near(
         static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), kRadius,
         [&](int j) { distance = std::min(distance, hamming_distance(looks, features.descriptor(j))); });
     return distance;
   }
-  const Keypoint& k = past.features->keypoint(i);
-  for (int j = 0; j < past.features->size(); ++j) {
-    const Keypoint& other = past.features->keypoint(j);
+  const FeaturePixel k = before.pixel(i);
+  for (int j = 0; j < before.size(); ++j) {
+    const FeaturePixel other = before.pixel(j);
     if (std::max(std::abs(other.u - k.u), std::abs(other.v - k.v)) <= kRadius) continue;
-    distance = std::min(distance, hamming_distance(looks, past.features->descriptor(j)));
+    distance = std::min(distance, hamming_distance(looks, before.descriptor(j)));
   }
   return distance;
 }
 
 // Per feature of the new frame: the point of the past frame that it shows.
 std::vector<CompanionFinder::Found> CompanionFinder::found_again(const Past& past,
-                                                                 const FrameFeatures& features,
+                                                                 const FeatureView& features,
                                                                  const SE3& T_co) const {
   std::vector<Found> found(static_cast<std::size_t>(features.size()));
   std::vector<int> distance_of(found.size(), settings_.max_distance + 1);
-  for (int i = 0; i < past.features->size(); ++i) {
+  const FeatureView before = past.view();
+  for (int i = 0; i < before.size(); ++i) {
     const std::size_t at = static_cast<std::size_t>(i);
     if (!past.origins[at].known) continue;
-    const Keypoint& k = past.features->keypoint(i);
-    const double disparity = k.u - past.features->u_right[at];
+    const FeaturePixel k = before.pixel(i);
+    const double disparity = k.u - k.u_right;
     int best = -1, distance = settings_.max_distance + 1;
-    features.grid.visit_near(k.u, k.v, settings_.search_radius, [&](int j) {
-      if (!features.has_stereo(j) || std::abs(features.keypoint(j).level - k.level) > 1) return;
-      const double other = features.keypoint(j).u - features.u_right[static_cast<std::size_t>(j)];
+    features.measured().grid.visit_near(k.u, k.v, settings_.search_radius, [&](int j) {
+      if (!features.has_stereo(j) || std::abs(features.level(j) - before.level(i)) > 1) return;
+      const FeaturePixel pixel = features.pixel(j);
+      const double other = pixel.u - pixel.u_right;
       if (std::abs(other - disparity) > settings_.search_disparity) return;
-      const int d = hamming_distance(past.features->descriptor(i), features.descriptor(j));
+      const int d = hamming_distance(before.descriptor(i), features.descriptor(j));
       if (d >= distance) return;
       distance = d;
       best = j;
@@ -75,6 +78,8 @@ std::vector<CompanionFinder::Found> CompanionFinder::found_again(const Past& pas
 }
 
 std::optional<Instance> CompanionFinder::observe(std::shared_ptr<const FrameFeatures> features,
+                                                 std::shared_ptr<const FeaturePixels> pixels,
+                                                 const std::vector<char>& movable,
                                                  std::vector<PointOrigin> origins, const SE3& T_co,
                                                  double time, bool reliable) {
   if (!settings_.enabled) return std::nullopt;
@@ -83,16 +88,17 @@ std::optional<Instance> CompanionFinder::observe(std::shared_ptr<const FrameFeat
   while (past_.size() > 1 && time - past_[1].time >= settings_.seconds) past_.pop_front();
   std::vector<Pixel> travelling, standing;
   if (!past_.empty() && time - past_.front().time >= settings_.seconds) {
-    const std::vector<Found> found = found_again(past_.front(), *features, T_co);
+    const FeatureView now(*features, pixels, movable);
+    const std::vector<Found> found = found_again(past_.front(), now, T_co);
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!found[i].origin.known || !origins[i].known || features->movable[i] != 0) continue;
-      const Keypoint& k = features->keypoint(static_cast<int>(i));
+      if (!found[i].origin.known || !origins[i].known || now.is_movable(static_cast<int>(i))) continue;
+      const FeaturePixel k = now.pixel(static_cast<int>(i));
       const bool moves = found[i].clearly && travels(found[i].origin, origins[i], settings_.least_speed);
       (moves ? travelling : standing)
           .push_back({static_cast<int>(std::lrint(k.u)), static_cast<int>(std::lrint(k.v))});
     }
   }
-  past_.push_back({std::move(features), std::move(origins), time});
+  past_.push_back({std::move(features), std::move(pixels), std::move(origins), time});
   if (static_cast<int>(travelling.size()) < settings_.fewest_features) return std::nullopt;
   const Size image{camera_.width, camera_.height};
   const ByteImage outline = outline_of_cluster(image, travelling, std::max(4, image.width / 18));

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "slam/dynamics/instance.h"
-#include "slam/dynamics/object_motion.h"
+#include "slam/dynamics/point_origin.h"
 #include "slam/geometry/se3.h"
 
 namespace penumbra::slam {
@@ -40,37 +40,34 @@ struct CompanionSettings {
   int margin = 20;        // by which a standing point must be less like it
 };
 
-// Where and when a feature's point was first seen.
-struct PointOrigin {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // odometry's frame
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  double time = 0.0;
-  bool known = false;
-};
-
 class CompanionFinder {
  public:
   CompanionFinder(const StereoCamera& camera, const CompanionSettings& settings)
       : camera_(camera), settings_(settings) {}
 
   // Takes the next frame, with its pose in odometry's frame; `origins`: where its features are now, `known`
-  // for those with stereo depth. Where the frame's pose is not `reliable` the watch begins anew.
+  // for those with stereo depth, `movable`: which are known to move already. Where the frame's pose is not
+  // `reliable` the watch begins anew.
   std::optional<Instance> observe(std::shared_ptr<const FrameFeatures> features,
-                                  std::vector<PointOrigin> origins, const SE3& T_co, double time,
-                                  bool reliable);
+                                  std::shared_ptr<const FeaturePixels> pixels,
+                                  const std::vector<char>& movable, std::vector<PointOrigin> origins,
+                                  const SE3& T_co, double time, bool reliable);
 
  private:
   struct Past {
     std::shared_ptr<const FrameFeatures> features;
+    std::shared_ptr<const FeaturePixels> pixels;
     std::vector<PointOrigin> origins;  // per feature
     double time = 0.0;
+
+    FeatureView view() const { return {*features, pixels, {}}; }
   };
   struct Found {
     PointOrigin origin;
     bool clearly = false;  // where it would be if it stood still nothing looks like it
   };
-  std::vector<Found> found_again(const Past& past, const FrameFeatures& features, const SE3& T_co) const;
-  int distance_if_still(const Past& past, int i, const FrameFeatures& features, const SE3& T_co) const;
+  std::vector<Found> found_again(const Past& past, const FeatureView& features, const SE3& T_co) const;
+  int distance_if_still(const Past& past, int i, const FeatureView& features, const SE3& T_co) const;
 
   const StereoCamera camera_;
   const CompanionSettings settings_;

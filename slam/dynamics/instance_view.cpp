@@ -15,17 +15,17 @@ constexpr double kLargestScaling = 2.0;  // from frame to frame
 constexpr int kFewestForShift = 4;       // matches that may correct the mask's place
 constexpr double kDepthSlack = 0.05;     // of the depth, for stereo noise; plus half a metre
 
-Eigen::Vector3d position(const StereoCamera& camera, const FrameFeatures& features, int i) {
-  const Keypoint& k = features.keypoint(i);
-  return camera.back_project(k.u, k.v, features.depth[static_cast<std::size_t>(i)]);
+Eigen::Vector3d position(const StereoCamera& camera, const FeatureView& features, int i) {
+  const FeaturePixel pixel = features.pixel(i);
+  return camera.back_project(pixel.u, pixel.v, features.depth(i));
 }
 
 // Depths that belong to the object, from the bulk of its points: a mask's rim also shows what is behind.
-bool set_place(const StereoCamera& camera, const FrameFeatures& features,
-               const InstanceViewSettings& settings, InstanceView& view) {
+bool set_place(const StereoCamera& camera, const FeatureView& features, const InstanceViewSettings& settings,
+               InstanceView& view) {
   std::vector<double> depths;
   for (const int i : view.features) {
-    if (features.has_stereo(i)) depths.push_back(features.depth[static_cast<std::size_t>(i)]);
+    if (features.has_stereo(i)) depths.push_back(features.depth(i));
   }
   if (static_cast<int>(depths.size()) < settings.fewest_stereo) return false;
   std::sort(depths.begin(), depths.end());
@@ -34,7 +34,7 @@ bool set_place(const StereoCamera& camera, const FrameFeatures& features,
   view.farthest = std::min(quantile_of_sorted(depths, 0.9), 2.0 * middle) + slack;
   std::vector<double> x, y, z;
   for (const int i : view.features) {
-    const double depth = features.depth[static_cast<std::size_t>(i)];
+    const double depth = features.depth(i);
     if (!features.has_stereo(i) || depth < view.nearest || depth > view.farthest) continue;
     const Eigen::Vector3d p = position(camera, features, i);
     x.push_back(p.x());
@@ -47,13 +47,13 @@ bool set_place(const StereoCamera& camera, const FrameFeatures& features,
 }
 
 // Features on the mask whose depth, where they have one, is the object's.
-void find_features(const FrameFeatures& features, int margin, bool check_depth, InstanceView& view) {
+void find_features(const FeatureView& features, int margin, bool check_depth, InstanceView& view) {
   view.features.clear();
   for (int i = 0; i < features.size(); ++i) {
-    const Keypoint& k = features.keypoint(i);
+    const Keypoint k = features.keypoint(i);
     // A feature of a higher level looks at a larger patch.
     if (!touches(view, k.u, k.v, margin > 0 ? margin + k.level : 0)) continue;
-    const double depth = features.depth[static_cast<std::size_t>(i)];
+    const double depth = features.depth(i);
     if (check_depth && features.has_stereo(i) && (depth < view.nearest || depth > view.farthest)) continue;
     view.features.push_back(i);
   }
@@ -84,24 +84,25 @@ struct Guess {
 };
 
 // The nearest descriptor around each guess; of several that choose one feature the best keeps it.
-std::vector<std::pair<int, int>> match(const std::vector<Guess>& guesses, const FrameFeatures& from,
-                                       const FrameFeatures& to, const InstanceViewSettings& settings) {
+std::vector<std::pair<int, int>> match(const std::vector<Guess>& guesses, const FeatureView& from,
+                                       const FeatureView& to, const InstanceViewSettings& settings) {
   std::vector<std::pair<int, int>> best_of(static_cast<std::size_t>(to.size()), {-1, 0});
   for (const Guess& guess : guesses) {
     int best = -1, distance = settings.max_distance + 1;
-    const int level = from.keypoint(guess.feature).level;
-    to.grid.visit_near(static_cast<float>(guess.pixel.x()), static_cast<float>(guess.pixel.y()),
-                       settings.search_radius, [&](int j) {
-                         if (std::abs(to.keypoint(j).level - level) > 1) return;
-                         const int d = hamming_distance(from.descriptor(guess.feature), to.descriptor(j));
-                         if (d >= distance) return;
-                         const double depth = to.depth[static_cast<std::size_t>(j)];
-                         if (guess.depth > 0.0 && to.has_stereo(j) &&
-                             std::abs(depth - guess.depth) > 1.0 + 0.15 * guess.depth)
-                           return;
-                         distance = d;
-                         best = j;
-                       });
+    const int level = from.level(guess.feature);
+    to.measured().grid.visit_near(static_cast<float>(guess.pixel.x()), static_cast<float>(guess.pixel.y()),
+                                  settings.search_radius, [&](int j) {
+                                    if (std::abs(to.level(j) - level) > 1) return;
+                                    const int d =
+                                        hamming_distance(from.descriptor(guess.feature), to.descriptor(j));
+                                    if (d >= distance) return;
+                                    const double depth = to.depth(j);
+                                    if (guess.depth > 0.0 && to.has_stereo(j) &&
+                                        std::abs(depth - guess.depth) > 1.0 + 0.15 * guess.depth)
+                                      return;
+                                    distance = d;
+                                    best = j;
+                                  });
     if (best < 0) continue;
     auto& [source, kept] = best_of[static_cast<std::size_t>(best)];
     if (source >= 0 && kept <= distance) continue;
@@ -140,7 +141,7 @@ bool touches(const InstanceView& view, float x, float y, int margin) {
 }
 
 std::optional<InstanceView> make_view(const StereoCamera& camera, int frame, const Instance& instance,
-                                      const FrameFeatures& features, const InstanceViewSettings& settings) {
+                                      const FeatureView& features, const InstanceViewSettings& settings) {
   InstanceView view;
   view.frame = frame;
   view.region = instance.region;
@@ -152,7 +153,7 @@ std::optional<InstanceView> make_view(const StereoCamera& camera, int frame, con
 }
 
 std::optional<CarriedView> carry_view(const StereoCamera& camera, const InstanceView& view,
-                                      const FrameFeatures& from, const FrameFeatures& to, int frame,
+                                      const FeatureView& from, const FeatureView& to, int frame,
                                       const SE3& T_to_from, const Eigen::Vector3d& displacement,
                                       const InstanceViewSettings& settings) {
   const Eigen::Vector3d moved = T_to_from * (view.centre + displacement);
@@ -164,8 +165,8 @@ std::optional<CarriedView> carry_view(const StereoCamera& camera, const Instance
 
   std::vector<Guess> guesses;
   for (const int i : view.features) {
-    const Keypoint& k = from.keypoint(i);
-    Guess guess{i, new_centre + scale * (Eigen::Vector2d(k.u, k.v) - old_centre), -1.0};
+    const FeaturePixel pixel = from.pixel(i);
+    Guess guess{i, new_centre + scale * (Eigen::Vector2d(pixel.u, pixel.v) - old_centre), -1.0};
     if (from.has_stereo(i)) {
       const Eigen::Vector3d p = T_to_from * (position(camera, from, i) + displacement);
       if (p.z() < kNearestDepth) continue;
@@ -183,10 +184,9 @@ std::optional<CarriedView> carry_view(const StereoCamera& camera, const Instance
   std::sort(by_source.begin(), by_source.end());
   for (const auto& [i, j] : by_source) {
     while (guesses[g].feature != i) ++g;  // both ascend
-    du.push_back(to.keypoint(j).u - guesses[g].pixel.x());
-    dv.push_back(to.keypoint(j).v - guesses[g].pixel.y());
-    if (from.has_stereo(i) && to.has_stereo(j))
-      dz.push_back(to.depth[static_cast<std::size_t>(j)] - guesses[g].depth);
+    du.push_back(to.pixel(j).u - guesses[g].pixel.x());
+    dv.push_back(to.pixel(j).v - guesses[g].pixel.y());
+    if (from.has_stereo(i) && to.has_stereo(j)) dz.push_back(to.depth(j) - guesses[g].depth);
   }
   double depth_shift = 0.0;
   if (static_cast<int>(du.size()) >= kFewestForShift) {

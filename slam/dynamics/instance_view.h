@@ -16,7 +16,7 @@
 
 #include "nn/image/shapes.h"
 #include "slam/dynamics/instance.h"
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
 
@@ -53,7 +53,7 @@ bool touches(const InstanceView& view, float x, float y, int margin);
 // The view of a detected instance. Nothing where too few of its features have stereo depth to say where it
 // is.
 std::optional<InstanceView> make_view(const StereoCamera& camera, int frame, const Instance& instance,
-                                      const FrameFeatures& features, const InstanceViewSettings& settings);
+                                      const FeatureView& features, const InstanceViewSettings& settings);
 
 struct CarriedView {
   InstanceView view;
@@ -63,7 +63,7 @@ struct CarriedView {
 // `T_to_from`: from the old camera to the new one; `displacement`: what the object moved by itself meanwhile,
 // in the old camera's frame. Nothing where it has left the image.
 std::optional<CarriedView> carry_view(const StereoCamera& camera, const InstanceView& view,
-                                      const FrameFeatures& from, const FrameFeatures& to, int frame,
+                                      const FeatureView& from, const FeatureView& to, int frame,
                                       const SE3& T_to_from, const Eigen::Vector3d& displacement,
                                       const InstanceViewSettings& settings);
 

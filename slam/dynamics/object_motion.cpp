@@ -34,10 +34,10 @@ double log_normal_at_zero_mean(const Eigen::Vector3d& v, const Eigen::Matrix3d& 
 
 }  // namespace
 
-Eigen::Matrix3d stereo_covariance(const StereoCamera& camera, const FrameFeatures& features, int feature,
+Eigen::Matrix3d stereo_covariance(const StereoCamera& camera, const FeatureView& features, int feature,
                                   double scale, const ObjectMotionSettings& settings) {
-  const Keypoint& k = features.keypoint(feature);
-  const double z = features.depth[static_cast<std::size_t>(feature)];
+  const FeaturePixel k = features.pixel(feature);
+  const double z = features.depth(feature);
   const double disparity = camera.fx * camera.baseline / z;
   Eigen::Matrix3d J;
   J << z / camera.fx, 0.0, -(k.u - camera.cx) / camera.fx * z / disparity,  //

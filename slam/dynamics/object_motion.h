@@ -21,7 +21,7 @@
 #include <optional>
 #include <span>
 
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/geometry/stereo_camera.h"
 
 namespace penumbra::slam {
@@ -48,7 +48,7 @@ struct ObjectVelocity {
 };
 
 // Covariance of a feature's stereo position in the camera's frame, metres^2; the feature has stereo depth.
-Eigen::Matrix3d stereo_covariance(const StereoCamera& camera, const FrameFeatures& features, int feature,
+Eigen::Matrix3d stereo_covariance(const StereoCamera& camera, const FeatureView& features, int feature,
                                   double scale, const ObjectMotionSettings& settings);
 
 // Nothing where fewer than `fewest_points`, or less than half of the points, agree.

@@ -150,13 +150,13 @@ SeparatedMotions separate_motions(const StereoCamera& camera, std::span<const Po
   return motions;
 }
 
-void mark_mover(const SeparatedMotions& motions, const FrameFeatures& features) {
+void mark_mover(const SeparatedMotions& motions, const FeatureView& features, std::vector<char>& movable) {
   for (int i = 0; i < features.size(); ++i) {
-    const Keypoint& k = features.keypoint(i);
-    const double depth = features.depth[static_cast<std::size_t>(i)];
+    const FeaturePixel pixel = features.pixel(i);
+    const double depth = features.depth(i);
     if (features.has_stereo(i) && (depth < motions.nearest || depth > motions.farthest)) continue;
-    if (motions.mover->contains(static_cast<int>(std::lrint(k.u)), static_cast<int>(std::lrint(k.v))))
-      features.movable[static_cast<std::size_t>(i)] = 1;
+    if (motions.mover->contains(static_cast<int>(std::lrint(pixel.u)), static_cast<int>(std::lrint(pixel.v))))
+      movable[static_cast<std::size_t>(i)] = 1;
   }
 }
 

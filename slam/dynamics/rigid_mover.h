@@ -18,9 +18,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "slam/dynamics/instance.h"
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/geometry/pose_optimizer.h"
 
 namespace penumbra::slam {
@@ -45,7 +46,7 @@ SeparatedMotions separate_motions(const StereoCamera& camera, std::span<const Po
                                   const PoseEstimate& dominant, const std::optional<SE3>& predicted,
                                   std::uint64_t seed, const RigidMoverSettings& settings);
 
-// Marks the features in the mover's outline whose depth, where they have one, is its own.
-void mark_mover(const SeparatedMotions& motions, const FrameFeatures& features);
+// Marks in `movable`, per feature, those in the mover's outline whose depth, where they have one, is its own.
+void mark_mover(const SeparatedMotions& motions, const FeatureView& features, std::vector<char>& movable);
 
 }  // namespace penumbra::slam

@@ -27,7 +27,7 @@ inline constexpr double kChiSquareStereo = 7.815;
 // A measured pixel: (u, v, u_right), u_right only where `stereo`.
 struct PixelMeasurement {
   Eigen::Vector3d pixel = Eigen::Vector3d::Zero();
-  double inverse_variance = 1.0;  // 1 / sigma^2, 1/pixels^2, with sigma the scale of the feature's level
+  double inverse_variance = 1.0;  // 1 / sigma^2, 1/pixels^2; of a feature: measurement.h
   bool stereo = false;
 
   double gate() const { return stereo ? kChiSquareStereo : kChiSquareMono; }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/frontend/features/measurement.h"
 #include "slam/frontend/features/patch.h"
 #include "slam/geometry/se3.h"
@@ -26,7 +26,10 @@ struct KeyFrame {
   int frame_index = 0;     // frame of the sequence
   double timestamp = 0.0;  // seconds
   SE3 T_cw;
-  std::shared_ptr<const FrameFeatures> features;
+  std::shared_ptr<const FrameFeatures> features;  // as they were measured
+  // Where its features are, as far as that is known better than measured (feature_view.h); may be null.
+  std::shared_ptr<const FeaturePixels> pixels;
+  std::vector<char> movable;      // per feature: 1 where it is known to lie on something that moves
   std::vector<MapPoint*> points;  // per feature; nullptr where it shows no point
   // Per feature: 1 where its pixel is that of the point's patch, 0 where only the descriptors are alike.
   std::vector<char> aligned;
@@ -43,12 +46,15 @@ struct KeyFrame {
   bool erased = false;
   KeyFrame* stand_in = nullptr;
   SE3 T_c_stand_in;
+
+  // Its features as they are known by now; not of an erased one.
+  FeatureView view() const { return {*features, pixels, movable}; }
 };
 
 // What `feature` of a keyframe measures of the point that it shows.
 inline PixelMeasurement measurement_of(const KeyFrame& keyframe, int feature,
                                        const std::vector<double>& scales) {
-  return measurement_of(*keyframe.features, feature, scales,
+  return measurement_of(keyframe.view(), feature, scales,
                         keyframe.aligned[static_cast<std::size_t>(feature)] != 0);
 }
 

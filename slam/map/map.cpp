@@ -79,6 +79,7 @@ std::unique_ptr<KeyFrame> Map::new_keyframe(int frame_index, double timestamp, c
   keyframe->T_cw = T_cw;
   keyframe->points.assign(static_cast<std::size_t>(features->size()), nullptr);
   keyframe->aligned.assign(static_cast<std::size_t>(features->size()), 0);
+  keyframe->movable.assign(static_cast<std::size_t>(features->size()), 0);
   keyframe->features = std::move(features);
   return keyframe;
 }
@@ -163,6 +164,8 @@ void Map::erase_keyframe(KeyFrame* keyframe) {
   keyframe->covisibles = {};
   keyframe->points = {};
   keyframe->aligned = {};
+  keyframe->movable = {};
+  keyframe->pixels.reset();
   keyframe->patches.reset();
   keyframe->features.reset();
 }

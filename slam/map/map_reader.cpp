@@ -80,7 +80,8 @@ SE3 get_pose(ByteReader& in) {
   return T;
 }
 
-void check_features(const ByteReader& in, const FrameFeatures& f, const StereoCamera& camera, int levels) {
+void check_features(const ByteReader& in, const FrameFeatures& f, const std::vector<char>& movable,
+                    const StereoCamera& camera, int levels) {
   for (int i = 0; i < f.size(); ++i) {
     const std::size_t at = static_cast<std::size_t>(i);
     const Keypoint& k = f.left.keypoints[at];
@@ -88,8 +89,8 @@ void check_features(const ByteReader& in, const FrameFeatures& f, const StereoCa
     const bool good = k.u >= -1.0F && k.u <= static_cast<float>(camera.width) && k.v >= -1.0F &&
                       k.v <= static_cast<float>(camera.height) && k.level >= 0 && k.level < levels &&
                       std::isfinite(k.angle) && std::isfinite(k.response) && std::isfinite(f.u_right[at]) &&
-                      std::isfinite(f.depth[at]) && stereo == (f.depth[at] > 0.0F) && f.movable[at] >= 0 &&
-                      f.movable[at] <= 1;
+                      std::isfinite(f.depth[at]) && stereo == (f.depth[at] > 0.0F) && movable[at] >= 0 &&
+                      movable[at] <= 1;
     if (!good) {
       throw_invalid(
           in, "features inside the image and the pyramid",
@@ -132,11 +133,12 @@ void get_keyframe(ByteReader& in, Map& map) {
   f->left.descriptors = in.get_array<Descriptor>(count, "descriptors");
   f->u_right = in.get_array<float>(count, "right columns");
   f->depth = in.get_array<float>(count, "depths");
-  f->movable = in.get_array<char>(count, "movable marks");
+  std::vector<char> movable = in.get_array<char>(count, "movable marks");
   f->colour = in.get_array<Colour>(count, "colours");
-  check_features(in, *f, map.camera(), static_cast<int>(map.scales().size()));
+  check_features(in, *f, movable, map.camera(), static_cast<int>(map.scales().size()));
   f->grid = FeatureGrid(f->left.keypoints, map.camera().width, map.camera().height);
   std::unique_ptr<KeyFrame> keyframe = map.new_keyframe(frame_index, timestamp, T_cw, std::move(f));
+  keyframe->movable = std::move(movable);
   keyframe->submap = submap;
   const std::uint32_t objects = in.get_count(kObjectBytes, "objects");
   for (std::uint32_t i = 0; i < objects; ++i) keyframe->objects.push_back(get_object(in));

@@ -38,12 +38,19 @@ void put_keyframe(ByteWriter& out, const KeyFrame& keyframe) {
   put_pose(out, keyframe.T_cw);
   out.put<std::int32_t>(keyframe.submap);
   const FrameFeatures& f = *keyframe.features;
+  const FeatureView view = keyframe.view();
+  std::vector<Keypoint> keypoints;
+  std::vector<float> u_right;
+  for (int i = 0; i < view.size(); ++i) {
+    keypoints.push_back(view.keypoint(i));
+    u_right.push_back(view.u_right(i));
+  }
   out.put(static_cast<std::uint32_t>(f.size()));
-  out.put_array(std::span(f.left.keypoints));
+  out.put_array(std::span<const Keypoint>(keypoints));
   out.put_array(std::span(f.left.descriptors));
-  out.put_array(std::span(f.u_right));
+  out.put_array(std::span<const float>(u_right));
   out.put_array(std::span(f.depth));
-  out.put_array(std::span<const char>(f.movable));
+  out.put_array(std::span<const char>(keyframe.movable));
   out.put_array(std::span(f.colour));
   // One whose place was never measured says nothing.
   const auto is_known = [](const SeenObject& object) { return object.position.allFinite(); };

@@ -23,7 +23,7 @@ double relative_distance_uncertainty(const MapPoint& point, const StereoCamera& 
     const SE3& T_cw = o.keyframe->T_cw;
     const Eigen::Vector3d p = T_cw * point.position;
     if (p.z() <= 0.0) return kUnknown;
-    const PixelMeasurement z = measurement_of(*o.keyframe->features, o.feature, scales);
+    const PixelMeasurement z = measurement_of(o.keyframe->view(), o.feature, scales);
     information +=
         z.inverse_variance * (projection_jacobian(camera, p, z.stereo) * (T_cw.rotation * ray)).squaredNorm();
   }

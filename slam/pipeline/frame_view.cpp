@@ -2,12 +2,12 @@
 
 namespace penumbra::slam {
 
-FrameView frame_view(const FrameFeatures& features, const std::vector<MapPoint*>& points,
+FrameView frame_view(const FeatureView& features, const std::vector<MapPoint*>& points,
                      std::vector<InstanceSighting> sightings) {
   FrameView view;
   view.features.reserve(static_cast<std::size_t>(features.size()));
   for (int i = 0; i < features.size(); ++i) {
-    const Keypoint& k = features.keypoint(i);
+    const FeaturePixel k = features.pixel(i);
     const auto at = static_cast<std::size_t>(i);
     view.features.push_back({k.u, k.v, at < points.size() && points[at] != nullptr, features.is_movable(i)});
   }

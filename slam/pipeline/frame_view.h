@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "slam/dynamics/instance_tracker.h"
-#include "slam/frontend/features/frame_features.h"
+#include "slam/dynamics/track.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/map/map_point.h"
 
 namespace penumbra::slam {
@@ -21,7 +21,7 @@ struct FrameView {
 };
 
 // `points`: per feature the map point that it shows, or nullptr; empty where none is known.
-FrameView frame_view(const FrameFeatures& features, const std::vector<MapPoint*>& points,
+FrameView frame_view(const FeatureView& features, const std::vector<MapPoint*>& points,
                      std::vector<InstanceSighting> sightings);
 
 }  // namespace penumbra::slam

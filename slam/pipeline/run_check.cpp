@@ -89,11 +89,14 @@ RunCheck::RunCheck(const StereoCamera& camera, Sensor sensor) : camera_(camera),
 }
 
 void RunCheck::add(const StereoImages& images, const FrameResult& result) {
-  if (frames_++ > 0) steps_.push_back(images.timestamp - last_time_);
+  if (frames_++ > 0) {
+    last_step_ = images.timestamp - last_time_;
+    steps_.add(last_step_);
+  }
   const bool located = result.tracking.state == TrackingState::tracking;
   if (result.median_depth > 0.0) {
-    depths_.push_back(result.median_depth);
-    if (depths_.size() == kDepthFrames) check_depth();
+    depths_.add(result.median_depth);
+    if (depths_.count() == kDepthFrames) check_depth();
   }
   if (located) {
     check_speed(images.timestamp, result);
@@ -118,7 +121,8 @@ LostReason RunCheck::reason_of(const StereoImages& images, const FrameResult& re
   if (result.features < kFewestFeatures) return LostReason::few_features;
   if (result.stereo_features < kFewestDepths * result.features) return LostReason::few_depths;
   if (result.tracking.state == TrackingState::occluded) return LostReason::covered;
-  if (steps_.size() > 1 && steps_.back() > kLongStep * quantile_of(steps_, 0.5)) return LostReason::time_gap;
+  if (steps_.count() > 1 && last_step_ > kLongStep * quantile_of(steps_.values(), 0.5))
+    return LostReason::time_gap;
   return LostReason::no_agreement;
 }
 
@@ -167,6 +171,6 @@ std::string RunCheck::why_lost() const {
   return text + text_of(reason, sensor_);
 }
 
-double RunCheck::median_depth() const { return quantile_of(depths_, 0.5); }
+double RunCheck::median_depth() const { return quantile_of(depths_.values(), 0.5); }
 
 }  // namespace penumbra::slam

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "nn/base/samples.h"
 #include "slam/pipeline/slam.h"
 #include "slam/sources/stereo_dataset.h"
 
@@ -63,12 +64,12 @@ class RunCheck {
   StereoCamera camera_;
   Sensor sensor_;
   std::vector<std::string> warnings_;
-  std::vector<double> depths_, steps_;  // metres, seconds
+  Samples depths_, steps_;  // metres, seconds
   int frames_ = 0, lost_ = 0, first_lost_ = 0, last_lost_ = 0;
   int lost_for_[kLostReasons] = {};
-  bool located_ = false;    // the last frame
-  int fast_ = 0;            // fast frames in a row
-  double last_time_ = 0.0;  // seconds
+  bool located_ = false;                      // the last frame
+  int fast_ = 0;                              // fast frames in a row
+  double last_time_ = 0.0, last_step_ = 0.0;  // seconds
   Eigen::Vector3d last_place_ = Eigen::Vector3d::Zero();
 };
 

@@ -2,11 +2,12 @@
 
 #include <cmath>
 #include <future>
-#include <map>
+#include <iterator>
 #include <shared_mutex>
 
 #include "nn/base/error.h"
 #include "nn/base/quantile.h"
+#include "nn/base/stopwatch.h"
 #include "nn/image/grey.h"
 #include "nn/image/resize.h"
 #include "slam/frontend/features/depth_measurement.h"
@@ -66,7 +67,7 @@ double median_depth(const FrameFeatures& features) {
   return quantile_of(std::move(depths), 0.5);
 }
 
-// Sightings are kept for every keyframe, so their masks are kept small.
+// Sightings may be kept for every keyframe, so their masks are small.
 std::vector<InstanceSighting> shrunk(std::vector<InstanceSighting> sightings) {
   constexpr double kLongestSide = 64.0;  // pixels
   for (InstanceSighting& seen : sightings) {
@@ -127,6 +128,8 @@ Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settin
       loop_closer_(map_, index_, settings.loops),
       tracker_(map_, index_, settings_.tracker, timer_),
       instances_(camera_, map_.scales(), settings_.semantics.instances, map_.next_object_number()),
+      movers_(camera_, map_.scales(), settings_.semantics.instances.companions,
+              settings_.semantics.instances.motion),
       worker_(map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
       segmentation_(settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
                     !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
@@ -142,49 +145,61 @@ FrameResult Slam::process(const StereoImages& images) {
   } else {
     check_depth(images.depth, camera_, images.index);
   }
-  const auto scope = timer_.measure("frame");
-  const std::shared_ptr<FrameFeatures> features = measure(images);
-  return process(images.index, images.timestamp, features, images.left);
+  const Stopwatch watch;
+  const std::shared_ptr<const FrameFeatures> features = measure(images);
+  FrameResult result = process(images.index, images.timestamp, features, images.left);
+  result.milliseconds = watch.milliseconds();
+  timer_.add("frame", result.milliseconds);
+  return result;
 }
 
 FrameResult Slam::process_missing(int index, double timestamp) {
-  const auto scope = timer_.measure("frame");
-  return process(index, timestamp, std::make_shared<FrameFeatures>(), {});
+  const Stopwatch watch;
+  FrameResult result = process(index, timestamp, std::make_shared<FrameFeatures>(), {});
+  result.milliseconds = watch.milliseconds();
+  timer_.add("frame", result.milliseconds);
+  return result;
 }
 
-FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
+FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<const FrameFeatures>& features,
                           const ByteImage& image) {
   FrameResult result;
   result.index = index;
+  result.timestamp = timestamp;
   take_instances();
-  instances_.carry(index, timestamp, features, tracker_.predicted_step(timestamp));
+  Frame& frame = newest_;
+  frame.movable.assign(static_cast<std::size_t>(features->size()), 0);
+  const FrameBeforePose unlocated{index, timestamp, features, tracker_.predicted_step(timestamp)};
+  for (Dynamics* dynamics : dynamics_) dynamics->before_pose(unlocated, frame.movable);
   if (settings_.semantics.mode == SegmentationMode::all && !image.empty()) {
     segmentation_.submit(index, image);
     take_instances();
   }
-  result.covered_share = instances_.covered_share();
-  result.features = features->size();
-  for (int i = 0; i < features->size(); ++i) {
-    result.stereo_features += features->has_stereo(i);
-    result.movable_features += features->is_movable(i);
-  }
-  result.median_depth = median_depth(*features);
-  Frame frame;
-  frame.covered_share = result.covered_share;
-  frame.objects = instances_.objects();
   frame.index = index;
   frame.timestamp = timestamp;
   frame.features = features;
   frame.pyramid = &left_orb_.pyramid();
+  frame.movable = instances_.movable();
+  frame.covered_share = instances_.covered_share();
+  frame.objects = instances_.objects();
+  frame.T_cw = frame.T_c_reference = {};
+  frame.reference = nullptr;
+  frame.patches.reset();
+  if (const std::vector<char>* known = instances_.movable(tracker_.last().index()))
+    tracker_.last().set_movable(tracker_.last().index(), *known);
+  result.covered_share = frame.covered_share;
+  result.features = features->size();
+  for (int i = 0; i < features->size(); ++i) {
+    result.stereo_features += features->has_stereo(i);
+    result.movable_features += frame.movable[static_cast<std::size_t>(i)] != 0;
+  }
+  result.median_depth = median_depth(*features);
   std::optional<MapWork> work;
   {
     const std::shared_lock lock(map_.mutex());
     result.tracking = tracker_.track(frame);
     camera_ = map_.camera();  // of the next frame
-    instances_.observe(step_from_last(frame), result.tracking.state == TrackingState::tracking &&
-                                                  !result.tracking.recovered &&
-                                                  !result.tracking.starts_submap);
-    if (result.tracking.mover) instances_.add_mover(index, *result.tracking.mover);
+    find_what_moves(frame, result.tracking);
     result.keyframe = result.tracking.wants_keyframe;
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
@@ -192,14 +207,14 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<Fra
   if (work) worker_.submit(std::move(*work));
 
   result.T_wc = frame.T_cw.inverse();
-  entries_.push_back({frame.timestamp, frame.reference, frame.T_c_reference});
-  results_.push_back(result);
-  newest_ = std::move(frame);
+  result.place = last_place_ = {frame.reference, frame.T_c_reference};
+  result.findings = std::exchange(findings_, {});
+  ++frames_;
   return result;
 }
 
 // Features of the left image, and where each would be seen from the right: by matching, or by its depth.
-std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
+std::shared_ptr<const FrameFeatures> Slam::measure(const StereoImages& images) {
   auto measured = std::make_shared<FrameFeatures>();
   const ByteImage left = to_grey(images.left);
   // What covers the view takes its share of the features: the rest of the street needs its own.
@@ -231,22 +246,32 @@ std::shared_ptr<FrameFeatures> Slam::measure(const StereoImages& images) {
   }
   measured->u_right = std::move(stereo.u_right);
   measured->depth = std::move(stereo.depth);
-  measured->movable.assign(measured->left.keypoints.size(), 0);
   measured->colour = colours_at(images.left, measured->left.keypoints);
   measured->grid = FeatureGrid(measured->left.keypoints, camera_.width, camera_.height);
   return measured;
 }
 
+// What the frame, now that it was located, or given up, shows to move.
+void Slam::find_what_moves(Frame& frame, const TrackingReport& report) {
+  FrameAfterPose located{step_from_last(frame), false, frame.pixels, report.mover};
+  located.reliable = report.state == TrackingState::tracking && !report.recovered && !report.starts_submap;
+  std::vector<Instance> found;
+  for (Dynamics* dynamics : dynamics_) {
+    for (Instance& mover : dynamics->after_pose(located, frame.movable)) found.push_back(std::move(mover));
+  }
+  for (const Instance& mover : found) instances_.add_mover(frame.index, mover);
+  frame.movable = instances_.movable();
+}
+
 // How the camera moved from the last frame to this one. Both may have been moved by the map since.
 SE3 Slam::step_from_last(const Frame& frame) const {
-  if (entries_.empty() || entries_.back().reference == nullptr) return {};
-  return frame.T_cw * (entries_.back().T_c_reference * current_pose(*entries_.back().reference)).inverse();
+  return last_place_.reference == nullptr ? SE3{} : frame.T_cw * last_place_.T_cw().inverse();
 }
 
 bool Slam::is_segmented(const FrameResult& frame) const {
   constexpr int kWithoutKeyframes = 3;  // frames; a drive makes every second or third a keyframe
   const auto is_turn_of = [&](int interval) {
-    return results_.size() % static_cast<std::size_t>(std::max(1, interval)) == 0;
+    return frames_ % static_cast<std::size_t>(std::max(1, interval)) == 0;
   };
   switch (settings_.semantics.mode) {
     case SegmentationMode::keyframes:
@@ -265,16 +290,19 @@ bool Slam::is_segmented(const FrameResult& frame) const {
 // What the segmenter has found meanwhile labels the frames that it belongs to, and all since.
 void Slam::take_instances() {
   const auto scope = timer_.measure("instances");
+  std::vector<TrackedInstance> gone = instances_.take_gone();
+  std::move(gone.begin(), gone.end(), std::back_inserter(findings_.gone));
   const std::vector<SegmentedFrame> results = segmentation_.take();
   for (const SegmentedFrame& found : results) {
     instances_.add(found.frame, found.instances);
-    if (const auto known = sightings_.find(found.frame); known != sightings_.end())
-      known->second = shrunk(instances_.sightings(found.frame));
+    if (instances_.is_keyframe(found.frame))
+      findings_.sightings.push_back({found.frame, shrunk(instances_.sightings(found.frame))});
   }
-  MapWork work;
-  work.moving = instances_.take_moving_features();
-  if (!results.empty()) work.objects = instances_.take_keyframe_objects();
-  if (!work.moving.empty() || !work.objects.empty()) worker_.submit(std::move(work));
+  for (Dynamics* dynamics : dynamics_) {
+    MapWork work;
+    work.edits = dynamics->take_edits();
+    if (!work.edits.empty()) worker_.submit(std::move(work));
+  }
 }
 
 // `frame` becomes a keyframe, which is still to be put into the map.
@@ -284,6 +312,8 @@ MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
   work.aligned = frame.aligned;
   work.keyframe = map_.new_keyframe(frame.index, frame.timestamp, frame.T_cw, frame.features);
   work.keyframe->patches = frame.patches;
+  work.keyframe->pixels = frame.pixels;
+  work.keyframe->movable = frame.movable;
   if (starts_submap) {
     work.keyframe->submap = map_.begin_submap();
   } else if (frame.reference != nullptr) {
@@ -293,26 +323,29 @@ MapWork Slam::make_keyframe(Frame& frame, bool starts_submap) {
   }
   tracker_.set_keyframe(work.keyframe.get());
   instances_.set_keyframe(work.keyframe.get());
-  sightings_[frame.index] = shrunk(instances_.sightings());
+  findings_.sightings.push_back({frame.index, shrunk(instances_.sightings())});
   // Those that earlier frames' results have shown; what is found in this one comes later.
-  if (segmentation_.enabled()) work.objects = instances_.take_keyframe_objects();
+  if (segmentation_.enabled()) work.edits.objects = instances_.take_keyframe_objects();
   frame.reference = work.keyframe.get();
   frame.T_c_reference = SE3{};
   return work;
 }
 
-void Slam::finish() {
+Findings Slam::finish() {
   segmentation_.drain();
   take_instances();
   worker_.finish();
   timer_.merge(worker_.take_times());
   timer_.merge(segmentation_.take_times());
+  return std::exchange(findings_, {});
 }
 
 FrameView Slam::newest_view() const {
   if (newest_.features == nullptr) return {};
   const std::shared_lock lock(map_.mutex());  // for which features are on what moves
-  return frame_view(*newest_.features, newest_.points, instances_.sightings());
+  const std::vector<char>* movable = instances_.movable(newest_.index);
+  const FeatureView features(*newest_.features, newest_.pixels, movable ? *movable : newest_.movable);
+  return frame_view(features, newest_.points, instances_.sightings());
 }
 
 std::vector<ClosedLoop> Slam::loops() const {
@@ -325,19 +358,6 @@ std::vector<RecognisedPlace> Slam::recognised_places() const {
   return loop_closer_.recognised();
 }
 
-Trajectory Slam::trajectory() const {
-  const std::shared_lock lock(map_.mutex());
-  Trajectory trajectory;
-  trajectory.reserve(entries_.size());
-  for (const TrajectoryEntry& entry : entries_) {
-    SE3 T_cw;
-    if (entry.reference != nullptr) T_cw = entry.T_c_reference * current_pose(*entry.reference);
-    T_cw.normalize();
-    trajectory.push_back({entry.timestamp, T_cw.inverse()});
-  }
-  return trajectory;
-}
-
 Trajectory Slam::keyframe_trajectory() const {
   const std::shared_lock lock(map_.mutex());
   Trajectory trajectory;
@@ -346,33 +366,6 @@ Trajectory Slam::keyframe_trajectory() const {
     trajectory.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});
   }
   return trajectory;
-}
-
-std::vector<SubmapSummary> Slam::submaps() const {
-  const std::shared_lock lock(map_.mutex());
-  std::map<int, SubmapSummary> submaps;
-  for (const KeyFrame* keyframe : map_.keyframes()) {
-    SubmapSummary& submap = submaps[keyframe->submap];
-    submap.submap = keyframe->submap;
-    ++submap.keyframes;
-  }
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const KeyFrame* reference = entries_[i].reference;
-    if (reference == nullptr || results_[i].tracking.state != TrackingState::tracking) continue;
-    while (reference->erased) reference = reference->stand_in;
-    SubmapSummary& submap = submaps[reference->submap];
-    if (submap.frames++ == 0) submap.first_frame = results_[i].index;
-    submap.last_frame = results_[i].index;
-  }
-  std::vector<SubmapSummary> in_order;
-  for (const auto& [number, submap] : submaps) in_order.push_back(submap);
-  return in_order;
-}
-
-int Slam::count(TrackingState state) const {
-  int n = 0;
-  for (const FrameResult& result : results_) n += result.tracking.state == state;
-  return n;
 }
 
 }  // namespace penumbra::slam

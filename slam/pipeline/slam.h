@@ -2,9 +2,13 @@
 // map come out.
 //
 //   Slam slam(dataset.camera(), dataset.sensor(), settings);
-//   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
-//   slam.finish();
-//   write(slam.trajectory());
+//   Recorder record(slam);
+//   for (int i = 0; i < dataset.size(); ++i) record.add(slam.process(dataset.load(i)));
+//   record.finish();
+//   write(record.trajectory());
+//
+// What is found of a frame is returned and not kept: only the map grows, with the ground that is new. Who
+// needs the frames later keeps them (slam/pipeline/recorder.h).
 //
 // Tracking never waits for mapping, loop closing, the adjustment of the whole map or the segmenter, which
 // have their own threads (slam/backend/map_worker.h, slam/dynamics/segmentation_worker.h). With
@@ -13,7 +17,7 @@
 // instances are known when the next frame comes.
 #pragma once
 
-#include <map>
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -22,10 +26,12 @@
 #include "slam/backend/loop_closer.h"
 #include "slam/backend/map_worker.h"
 #include "slam/dynamics/instance_tracker.h"
+#include "slam/dynamics/movers.h"
 #include "slam/dynamics/segmentation_worker.h"
 #include "slam/frontend/features/orb_extractor.h"
 #include "slam/frontend/features/stereo_order.h"
 #include "slam/frontend/locating/tracker.h"
+#include "slam/geometry/trajectory.h"
 #include "slam/pipeline/frame_view.h"
 #include "slam/sources/stereo_dataset.h"
 
@@ -59,24 +65,40 @@ struct SlamSettings {
   bool deterministic = true;
 };
 
+// Where a frame is relative to a keyframe. When the map is corrected, keyframes move and frames along.
+struct FramePlace {
+  const KeyFrame* reference = nullptr;  // valid as long as the map; none before the first keyframe
+  SE3 T_c_reference;
+
+  // As the map now sees it. Needs the map's lock shared.
+  SE3 T_cw() const { return reference == nullptr ? SE3{} : T_c_reference * current_pose(*reference); }
+};
+
+// What a keyframe showed of the objects that are known.
+struct KeyframeSightings {
+  int frame = 0;
+  std::vector<InstanceSighting> sightings;  // with small masks
+};
+
+// What was found of objects since the last frame.
+struct Findings {
+  std::vector<KeyframeSightings> sightings;  // of new keyframes, and of earlier ones of which more is known
+  std::vector<TrackedInstance> gone;         // objects that are not followed any more, in their final state
+};
+
 struct FrameResult {
   int index = 0;
+  double timestamp = 0.0;  // seconds
   TrackingReport tracking;
-  SE3 T_wc;  // where it was located, or predicted; the map may move it later (Slam::trajectory)
+  SE3 T_wc;          // where it was located, or predicted; the map may move it later
+  FramePlace place;  // with which it is moved
   bool keyframe = false;
   int features = 0, stereo_features = 0;
   int movable_features = 0;    // on what is known or taken to move
   double covered_share = 0.0;  // of the image, by what moves
   double median_depth = 0.0;   // metres, of the features that have one; 0: none has
-};
-
-// A piece of the map whose keyframes are tied to each other. One is all there should be; a further one begins
-// where the way was lost and nothing was recognised, and ends to be one when a loop ties it to an older one.
-// A piece that is never tied keeps the pose that was guessed for its beginning.
-struct SubmapSummary {
-  int submap = 0;                       // its number
-  int first_frame = 0, last_frame = 0;  // that were located in it
-  int frames = 0, keyframes = 0;
+  double milliseconds = 0.0;   // that it took; 0 where its features were given
+  Findings findings;
 };
 
 class Slam {
@@ -94,16 +116,14 @@ class Slam {
   // camera's size (InputError otherwise, and where the first pairs show that left and right are exchanged).
   FrameResult process(const StereoImages& images);
   // The same for a frame whose features were found elsewhere, without the image.
-  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features) {
+  FrameResult process(int index, double timestamp, const std::shared_ptr<const FrameFeatures>& features) {
     return process(index, timestamp, features, {});
   }
   // Takes the place of a frame whose images cannot be had: it is lost, its pose is the predicted one.
   FrameResult process_missing(int index, double timestamp);
   // Waits until the map is complete. What is read before shows the map as far as it is.
-  void finish();
+  Findings finish();
 
-  // Pose of every frame so far, as the map now sees it; a lost frame has the pose that was predicted for it.
-  Trajectory trajectory() const;
   Trajectory keyframe_trajectory() const;  // without those of a loaded map
   bool is_loaded(const KeyFrame& keyframe) const { return keyframe.id < first_own_keyframe_; }
 
@@ -111,8 +131,6 @@ class Slam {
   std::vector<ClosedLoop> loops() const;
   // Keyframes that were proven to show earlier places, likewise.
   std::vector<RecognisedPlace> recognised_places() const;
-  // The pieces of the map, in the order of their numbers.
-  std::vector<SubmapSummary> submaps() const;
   // The settings with what follows from the sensor and from each other.
   const SlamSettings& settings() const { return settings_; }
   // What the newest frame showed. The thread that calls process() may ask.
@@ -122,29 +140,19 @@ class Slam {
   const Map& map() const { return map_; }
   const PlaceIndex& index() const { return index_; }
   const LoopCloser& loop_closer() const { return loop_closer_; }
-  // The objects that were found, and what each keyframe showed of them, by its frame's number.
-  const std::vector<TrackedInstance>& instances() const { return instances_.instances(); }
-  const std::map<int, std::vector<InstanceSighting>>& sightings() const { return sightings_; }
+  // The objects that are followed, or may be found again.
+  std::vector<TrackedInstance> instances() const { return instances_.instances(); }
   const StageTimer& timer() const { return timer_; }
-  const std::vector<FrameResult>& results() const { return results_; }
-  int tracked() const { return count(TrackingState::tracking); }
-  int lost() const { return static_cast<int>(results_.size()) - tracked(); }
 
  private:
-  struct TrajectoryEntry {
-    double timestamp;
-    const KeyFrame* reference;  // nullptr before the first keyframe
-    SE3 T_c_reference;
-  };
-
-  FrameResult process(int index, double timestamp, const std::shared_ptr<FrameFeatures>& features,
+  FrameResult process(int index, double timestamp, const std::shared_ptr<const FrameFeatures>& features,
                       const ByteImage& image);
-  std::shared_ptr<FrameFeatures> measure(const StereoImages& images);
+  std::shared_ptr<const FrameFeatures> measure(const StereoImages& images);
   SE3 step_from_last(const Frame& frame) const;
   void take_instances();
+  void find_what_moves(Frame& frame, const TrackingReport& report);
   bool is_segmented(const FrameResult& frame) const;
   MapWork make_keyframe(Frame& frame, bool starts_submap);
-  int count(TrackingState state) const;
 
   StereoCamera camera_;  // as the map had it at the last frame
   const Sensor sensor_;
@@ -159,11 +167,13 @@ class Slam {
   LocalMapper mapper_;
   LoopCloser loop_closer_;
   Tracker tracker_;
-  std::vector<TrajectoryEntry> entries_;
-  std::vector<FrameResult> results_;
+  std::size_t frames_ = 0;  // so far
+  FramePlace last_place_;   // of the frame before
   Frame newest_;
   InstanceTracker instances_;
-  std::map<int, std::vector<InstanceSighting>> sightings_;  // of keyframes
+  Movers movers_;
+  const std::array<Dynamics*, 2> dynamics_ = {&instances_, &movers_};  // in the order of their turns
+  Findings findings_;                                                  // since the last frame
   // The last: their threads use the others.
   MapWorker worker_;
   SegmentationWorker segmentation_;

@@ -140,7 +140,7 @@ void PlaceIndex::remove_erased() {
   }
 }
 
-std::vector<PlaceCandidate> PlaceIndex::query(const FrameFeatures& features, int most,
+std::vector<PlaceCandidate> PlaceIndex::query(const FeatureView& features, int most,
                                               const std::function<bool(const KeyFrame&)>& excluded) const {
   const std::size_t slots = keyframes_.size();
   std::vector<char> open(slots, 0);

@@ -57,7 +57,7 @@ class PlaceIndex {
   void remove_erased();
 
   // The best keyframes of the `most` best places, best first; `excluded` keyframes take no part.
-  std::vector<PlaceCandidate> query(const FrameFeatures& features, int most,
+  std::vector<PlaceCandidate> query(const FeatureView& features, int most,
                                     const std::function<bool(const KeyFrame&)>& excluded = {}) const;
 
   int keyframes() const { return alive_; }

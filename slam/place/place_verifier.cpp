@@ -22,15 +22,14 @@ struct Pairs {
   std::vector<int> features;
   std::vector<PoseObservation> observations;
 
-  void add(MapPoint* point, int feature, const FrameFeatures& image, const std::vector<double>& scales) {
+  void add(MapPoint* point, int feature, const FeatureView& image, const std::vector<double>& scales) {
     points.push_back(point);
     features.push_back(feature);
     observations.push_back({point->position, measurement_of(image, feature, scales)});
   }
 };
 
-Pairs match_by_looks(const KeyFrame& keyframe, const FrameFeatures& image,
-                     const std::vector<double>& scales) {
+Pairs match_by_looks(const KeyFrame& keyframe, const FeatureView& image, const std::vector<double>& scales) {
   std::vector<Descriptor> descriptors;
   std::vector<MapPoint*> points;
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
@@ -39,7 +38,7 @@ Pairs match_by_looks(const KeyFrame& keyframe, const FrameFeatures& image,
     descriptors.push_back(keyframe.features->descriptor(static_cast<int>(i)));
   }
   Pairs pairs;
-  for (const Match& match : match_descriptors(descriptors, image.left.descriptors, {})) {
+  for (const Match& match : match_descriptors(descriptors, image.measured().left.descriptors, {})) {
     if (image.is_movable(match.feature)) continue;
     pairs.add(points[static_cast<std::size_t>(match.source)], match.feature, image, scales);
   }
@@ -56,7 +55,7 @@ bool is_hidden(const Projection& projection, double depth, const Constellation& 
 }
 
 Pairs match_by_projection(const StereoCamera& camera, const SE3& T_cw, const std::vector<MapPoint*>& points,
-                          const FrameFeatures& image, const Constellation& objects,
+                          const FeatureView& image, const Constellation& objects,
                           const std::vector<double>& scales, float radius, int& visible) {
   std::vector<Projection> projections;
   visible = 0;
@@ -78,12 +77,12 @@ Pairs match_by_projection(const StereoCamera& camera, const SE3& T_cw, const std
   return pairs;
 }
 
-int occupied_cells(const StereoCamera& camera, const FrameFeatures& image,
+int occupied_cells(const StereoCamera& camera, const FeatureView& image,
                    const std::vector<MapPoint*>& points) {
   std::array<bool, kCellColumns * kCellRows> occupied{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i] == nullptr) continue;
-    const Keypoint& k = image.keypoint(static_cast<int>(i));
+    const FeaturePixel k = image.pixel(static_cast<int>(i));
     const int column = static_cast<int>(k.u) * kCellColumns / camera.width;
     const int row = static_cast<int>(k.v) * kCellRows / camera.height;
     occupied[static_cast<std::size_t>(std::clamp(row, 0, kCellRows - 1) * kCellColumns +
@@ -121,7 +120,7 @@ std::vector<MapPoint*> points_around(const KeyFrame& keyframe, int neighbours) {
   return points;
 }
 
-std::optional<VerifiedPlace> verify_place(const Map& map, const FrameFeatures& features, KeyFrame* keyframe,
+std::optional<VerifiedPlace> verify_place(const Map& map, const FeatureView& features, KeyFrame* keyframe,
                                           std::uint64_t seed, const PlaceVerifierSettings& settings,
                                           const Constellation& objects) {
   const StereoCamera& camera = map.camera();

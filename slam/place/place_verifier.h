@@ -47,7 +47,7 @@ struct VerifiedPlace {
 
 // `objects`: those around the image, in its camera's frame; may be empty. The random draws depend on `seed`
 // only.
-std::optional<VerifiedPlace> verify_place(const Map& map, const FrameFeatures& features, KeyFrame* keyframe,
+std::optional<VerifiedPlace> verify_place(const Map& map, const FeatureView& features, KeyFrame* keyframe,
                                           std::uint64_t seed, const PlaceVerifierSettings& settings,
                                           const Constellation& objects = {});
 

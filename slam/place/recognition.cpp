@@ -6,7 +6,7 @@
 namespace penumbra::slam {
 
 std::optional<VerifiedPlace> recognise_image(const Map& map, const PlaceIndex& index,
-                                             std::span<KeyFrame* const> last, const FrameFeatures& features,
+                                             std::span<KeyFrame* const> last, const FeatureView& features,
                                              std::uint64_t seed, const RecognitionSettings& settings,
                                              const Constellation& objects) {
   std::optional<VerifiedPlace> best;

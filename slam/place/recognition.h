@@ -15,7 +15,7 @@
 #include <optional>
 #include <span>
 
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/map/map.h"
 #include "slam/place/place_index.h"
@@ -40,7 +40,7 @@ struct RecognitionSettings {
 // `map`. The random draws depend on `seed` only. Needs the map's lock shared.
 // `objects`: those that the image shows, in its camera's frame; may be empty.
 std::optional<VerifiedPlace> recognise_image(const Map& map, const PlaceIndex& index,
-                                             std::span<KeyFrame* const> last, const FrameFeatures& features,
+                                             std::span<KeyFrame* const> last, const FeatureView& features,
                                              std::uint64_t seed, const RecognitionSettings& settings = {},
                                              const Constellation& objects = {});
 

@@ -94,14 +94,14 @@ class View : public ::testing::Test {
 
   void drive(int frames) {
     for (int i = 0; i < frames; ++i) {
-      const slam::StereoImages images = dataset->load(static_cast<int>(slam.results().size()));
-      view.add(slam.process(images), images.left);
+      const slam::StereoImages images = dataset->load(static_cast<int>(record.results().size()));
+      view.add(record.add(slam.process(images)), images.left);
     }
   }
   void finish() {
-    slam.finish();
+    record.finish();
     run.finished = true;
-    apps::write_results({out.path(), {}}, *dataset, slam, run);
+    apps::write_results({out.path(), {}}, *dataset, record, run);
     state_of(port);  // so that somebody looks
     view.finish(out.path());
   }
@@ -111,7 +111,8 @@ class View : public ::testing::Test {
   std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(street(), {});
   apps::SlamRun run;
   slam::Slam slam{dataset->camera(), dataset->sensor(), {}};
-  apps::LiveView view{0, run, dataset->size(), slam};
+  slam::Recorder record{slam};
+  apps::LiveView view{0, run, dataset->size(), record};
   const int port = port_of(view.address());
 };
 std::unique_ptr<test::TemporaryDirectory> View::shared;
@@ -128,10 +129,10 @@ TEST_F(View, TellsWhatIsNewSinceTheLastAnswer) {
   int keyframes = 0;
   for (int i = 0; i < 7; ++i) {
     const auto row = static_cast<std::size_t>(i);
-    keyframes += slam.results()[row].keyframe;
+    keyframes += record.results()[row].keyframe;
     EXPECT_EQ(first["rows"]["index"][row], i);
     EXPECT_GT(first["rows"]["ms"][row], 0.0);
-    const Eigen::Vector3d position = slam.trajectory()[row].T_wc.translation;
+    const Eigen::Vector3d position = record.trajectory()[row].T_wc.translation;
     for (int k = 0; k < 3; ++k)
       EXPECT_NEAR(first["rows"]["position"][row][static_cast<std::size_t>(k)], position[k], 0.02);
   }
@@ -239,7 +240,7 @@ TEST_F(View, EndsWithTheReportOfTheRun) {
 
 TEST_F(View, NamesThePortThatIsTaken) {
   const std::string message =
-      test::message_of<Error>([&] { const apps::LiveView second(port, run, 1, slam); });
+      test::message_of<Error>([&] { const apps::LiveView second(port, run, 1, record); });
   EXPECT_CONTAINS(message, std::to_string(port));
   const std::string start = fmt::format("slam '{}' --out '{}' ", street().string(), (out / "run").string());
   const test::ProgramResult taken = test::run_penumbra(fmt::format("{} --view={}", start, port));

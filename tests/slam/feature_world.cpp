@@ -80,7 +80,6 @@ std::shared_ptr<FrameFeatures> FeatureWorld::view(const SE3& T_cw, std::uint64_t
     view->depth.push_back(static_cast<float>(camera_.depth_from_disparity(pixel.x() - pixel.z())));
     seen.push_back(static_cast<int>(i));
   }
-  view->movable.assign(seen.size(), 0);
   view->colour.assign(seen.size(), {});
   view->grid = FeatureGrid(view->left.keypoints, camera_.width, camera_.height);
   return view;

@@ -12,6 +12,7 @@
 #include "slam/pipeline/slam.h"
 #include "slam/world/street_sequence.h"
 #include "tests/slam/feature_world.h"
+#include "tests/slam/recorded_slam.h"
 
 namespace penumbra::slam {
 namespace {
@@ -44,9 +45,9 @@ class SlamThreads : public ::testing::Test {
 };
 
 TEST_F(SlamThreads, FollowTheStreetAsOneThreadDoes) {
-  Slam threaded(camera, Sensor::stereo, settings);
+  test::RecordedSlam threaded(camera, Sensor::stereo, settings);
   settings.deterministic = true;
-  Slam in_line(camera, Sensor::stereo, settings);
+  test::RecordedSlam in_line(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) {
     threaded.process(pair);
     in_line.process(pair);
@@ -64,7 +65,7 @@ TEST_F(SlamThreads, FollowTheStreetAsOneThreadDoes) {
 }
 
 TEST_F(SlamThreads, LeaveAConsistentMap) {
-  Slam slam(camera, Sensor::stereo, settings);
+  test::RecordedSlam slam(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) slam.process(pair);
   slam.finish();
   for (const auto& point : slam.map().points()) {
@@ -77,13 +78,13 @@ TEST_F(SlamThreads, LeaveAConsistentMap) {
 }
 
 TEST_F(SlamThreads, CanBeLeftInTheMiddle) {
-  Slam slam(camera, Sensor::stereo, settings);
+  test::RecordedSlam slam(camera, Sensor::stereo, settings);
   for (int i = 0; i < 20; ++i) slam.process(images[static_cast<std::size_t>(i)]);
   // The destructor ends the threads, whatever they were doing.
 }
 
 TEST_F(SlamThreads, SurviveABlackout) {
-  Slam slam(camera, Sensor::stereo, settings);
+  test::RecordedSlam slam(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) {
     StereoImages shown = pair;
     if (pair.index >= 25 && pair.index < 30) {
@@ -104,8 +105,8 @@ TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
   car.score = 1.0F;
   car.region = {180, 50, 90, 50};
   car.mask = ByteImage::filled(90, 50, 255);
-  Slam slam(camera, Sensor::stereo, settings,
-            [&](int, const ByteImage&) { return std::vector<Instance>{car}; });
+  test::RecordedSlam slam(camera, Sensor::stereo, settings,
+                          [&](int, const ByteImage&) { return std::vector<Instance>{car}; });
   for (const StereoImages& pair : images) slam.process(pair);
   slam.finish();
   EXPECT_EQ(slam.trajectory().size(), images.size());
@@ -114,7 +115,7 @@ TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
 
 // As `penumbra slam --view` does.
 TEST_F(SlamThreads, ShowTheMapToWhoLooksOn) {
-  Slam slam(camera, Sensor::stereo, settings);
+  test::RecordedSlam slam(camera, Sensor::stereo, settings);
   std::atomic<bool> done{false};
   std::size_t most = 0;
   std::thread watcher([&] {
@@ -136,7 +137,7 @@ TEST_F(SlamThreads, ShowTheMapToWhoLooksOn) {
 TEST_F(SlamThreads, WriteTheMapBetweenFrames) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("penumbra_threads_" + std::to_string(getpid()) + ".map");
-  Slam slam(camera, Sensor::stereo, settings);
+  test::RecordedSlam slam(camera, Sensor::stereo, settings);
   for (const StereoImages& pair : images) {
     slam.process(pair);
     write_map(file, slam.map());
@@ -156,7 +157,7 @@ class LoopThreads : public ::testing::Test {
     settings.loops.consistent = 2;
   }
   static constexpr double kStep = 2.0;  // of 100 a lap: 50 frames are one
-  void drive(Slam& slam, int frames) {
+  void drive(test::RecordedSlam& slam, int frames) {
     std::vector<int> seen;
     for (int i = 0; i < frames; ++i) {
       // Without images the tracker is many times faster than the mapper: the map must not be left behind.
@@ -168,7 +169,7 @@ class LoopThreads : public ::testing::Test {
 };
 
 TEST_F(LoopThreads, CloseALoopWhileTrackingGoesOn) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 70);
   slam.finish();
   EXPECT_GE(slam.loops().size(), 1U);
@@ -181,7 +182,7 @@ TEST_F(LoopThreads, CloseALoopWhileTrackingGoesOn) {
 }
 
 TEST_F(LoopThreads, CanBeLeftWhileTheWholeMapIsAdjusted) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 68);
 }
 

@@ -1,6 +1,5 @@
-// Everything that was measured in one stereo frame; shared by the frame and its keyframe. Immutable once
-// made, but for `movable`: what moves may be known later. For a keyframe, the map's worker changes it, under
-// the map's lock.
+// Everything that was measured in one stereo frame; shared by all who look at the frame and at its keyframe.
+// It never changes: what is found out later is kept beside it (slam/frontend/features/feature_view.h).
 #pragma once
 
 #include <array>
@@ -15,9 +14,8 @@ namespace penumbra::slam {
 // Entry i of every vector belongs to feature i of the left image.
 struct FrameFeatures {
   Features left;
-  std::vector<float> u_right;         // column in the right image, pixels; -1 where there is no stereo match
-  std::vector<float> depth;           // metres; -1 where there is no stereo match
-  mutable std::vector<char> movable;  // 1: on something that moves; kept out of the pose and of the map
+  std::vector<float> u_right;  // column in the right image, pixels; -1 where there is no stereo match
+  std::vector<float> depth;    // metres; -1 where there is no stereo match
   std::vector<std::array<std::uint8_t, 3>> colour;  // blue, green, red of the image, for the map file
   FeatureGrid grid;
 
@@ -25,7 +23,6 @@ struct FrameFeatures {
   const Keypoint& keypoint(int i) const { return left.keypoints[static_cast<std::size_t>(i)]; }
   const Descriptor& descriptor(int i) const { return left.descriptors[static_cast<std::size_t>(i)]; }
   bool has_stereo(int i) const { return u_right[static_cast<std::size_t>(i)] >= 0.0F; }
-  bool is_movable(int i) const { return movable[static_cast<std::size_t>(i)] != 0; }
 };
 
 }  // namespace penumbra::slam

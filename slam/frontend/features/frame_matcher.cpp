@@ -13,15 +13,15 @@ constexpr int kRotationBins = 30;
 constexpr int kNothing = kDescriptorBits + 1;  // further than any descriptor
 
 // The best feature for one projection; -1 where none passes.
-int search(const Projection& p, const FrameFeatures& frame, std::span<const char> taken, float radius,
+int search(const Projection& p, const FeatureView& frame, std::span<const char> taken, float radius,
            const FrameMatcherSettings& settings, int& best_distance) {
   best_distance = kNothing;
   int best = -1, best_level = -1, second_distance = kNothing, second_level = -1;
-  frame.grid.visit_near(p.u, p.v, radius, [&](int i) {
-    const int level = frame.keypoint(i).level;
+  frame.measured().grid.visit_near(p.u, p.v, radius, [&](int i) {
+    const int level = frame.level(i);
     if (level < p.level - settings.levels_below || level > p.level + settings.levels_above) return;
     if ((!taken.empty() && taken[std::size_t(i)]) || frame.is_movable(i)) return;
-    const float u_right = frame.u_right[std::size_t(i)];
+    const float u_right = frame.u_right(i);
     if (p.u_right >= 0.0F && u_right >= 0.0F && std::abs(p.u_right - u_right) > radius) return;
     const int distance = hamming_distance(*p.descriptor, frame.descriptor(i));
     if (distance < best_distance) {
@@ -68,7 +68,7 @@ void keep_common_rotation(std::span<const float> turns, std::vector<Match>& matc
 
 }  // namespace
 
-std::vector<Match> match_projections(std::span<const Projection> projections, const FrameFeatures& frame,
+std::vector<Match> match_projections(std::span<const Projection> projections, const FeatureView& frame,
                                      std::span<const char> taken, std::span<const double> scales,
                                      const FrameMatcherSettings& settings) {
   std::vector<int> owner(static_cast<std::size_t>(frame.size()), -1);  // feature -> index of its match
@@ -79,7 +79,7 @@ std::vector<Match> match_projections(std::span<const Projection> projections, co
     int distance = 0;
     const int feature = search(p, frame, taken, radius, settings, distance);
     if (feature < 0) continue;
-    const float turn = p.angle - frame.keypoint(feature).angle;
+    const float turn = p.angle - frame.measured().keypoint(feature).angle;
     int& holder = owner[std::size_t(feature)];
     if (holder < 0) {
       holder = static_cast<int>(candidates.size());

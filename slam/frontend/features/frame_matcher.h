@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 
 namespace penumbra::slam {
 
@@ -43,8 +43,8 @@ struct FrameMatcherSettings {
 };
 
 // `scales`: level_scales of the pyramid. `taken`: features that are not to be matched (may be empty).
-// Features on movable instances are never matched. Matches come in the order of `projections`.
-std::vector<Match> match_projections(std::span<const Projection> projections, const FrameFeatures& frame,
+// Features on what moves are never matched. Matches come in the order of `projections`.
+std::vector<Match> match_projections(std::span<const Projection> projections, const FeatureView& frame,
                                      std::span<const char> taken, std::span<const double> scales,
                                      const FrameMatcherSettings& settings);
 

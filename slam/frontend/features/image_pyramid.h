@@ -17,8 +17,8 @@ struct PyramidSettings {
   double scale_factor = 1.2;  // s, above 1
 };
 
-// s^l for l = 0..levels-1: the size of a pixel of level l in pixels of the full image. It is also the
-// standard deviation (pixels) that is assumed for a corner found on level l.
+// s^l for l = 0..levels-1: the size of a pixel of level l in pixels of the full image. The standard deviation
+// of a corner's place is a share of it (slam/frontend/features/measurement.h).
 std::vector<double> level_scales(const PyramidSettings& settings);
 
 class ImagePyramid {

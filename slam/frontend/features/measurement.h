@@ -8,19 +8,19 @@
 
 #include <vector>
 
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/geometry/reprojection.h"
 
 namespace penumbra::slam {
 
 inline constexpr double kCornerSigma = 0.7, kAlignedSigma = 0.15;  // pixels of the level
 
-inline PixelMeasurement measurement_of(const FrameFeatures& features, int feature,
+inline PixelMeasurement measurement_of(const FeatureView& features, int feature,
                                        const std::vector<double>& scales, bool aligned = false) {
-  const Keypoint& k = features.keypoint(feature);
-  const double sigma = (aligned ? kAlignedSigma : kCornerSigma) * scales[static_cast<std::size_t>(k.level)];
-  const float u_right = features.u_right[static_cast<std::size_t>(feature)];
-  return {{k.u, k.v, u_right}, 1.0 / (sigma * sigma), u_right >= 0.0F};
+  const FeaturePixel pixel = features.pixel(feature);
+  const double scale = scales[static_cast<std::size_t>(features.level(feature))];
+  const double sigma = (aligned ? kAlignedSigma : kCornerSigma) * scale;
+  return {{pixel.u, pixel.v, pixel.u_right}, 1.0 / (sigma * sigma), pixel.u_right >= 0.0F};
 }
 
 }  // namespace penumbra::slam

@@ -26,10 +26,10 @@ Patch extract_patch(const ImagePyramid& pyramid, const Keypoint& keypoint) {
   return patch;
 }
 
-std::vector<Patch> extract_patches(const ImagePyramid& pyramid, const std::vector<Keypoint>& keypoints) {
+std::vector<Patch> extract_patches(const ImagePyramid& pyramid, const FeatureView& features) {
   std::vector<Patch> patches;
-  patches.reserve(keypoints.size());
-  for (const Keypoint& keypoint : keypoints) patches.push_back(extract_patch(pyramid, keypoint));
+  patches.reserve(static_cast<std::size_t>(features.size()));
+  for (int i = 0; i < features.size(); ++i) patches.push_back(extract_patch(pyramid, features.keypoint(i)));
   return patches;
 }
 

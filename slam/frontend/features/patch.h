@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "slam/frontend/features/feature.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/frontend/features/image_pyramid.h"
 
 namespace penumbra::slam {
@@ -27,6 +27,7 @@ struct Patch {
 
 // The patch around `keypoint`; empty where it would leave the image.
 Patch extract_patch(const ImagePyramid& pyramid, const Keypoint& keypoint);
-std::vector<Patch> extract_patches(const ImagePyramid& pyramid, const std::vector<Keypoint>& keypoints);
+// Around every feature, where it is known to be by now.
+std::vector<Patch> extract_patches(const ImagePyramid& pyramid, const FeatureView& features);
 
 }  // namespace penumbra::slam

@@ -5,8 +5,8 @@
 
 namespace penumbra::slam {
 
-bool FeatureRefiner::refine(FrameFeatures& features, int feature, const Patch& patch, double patch_depth,
-                            const Eigen::Vector2d& pixel, double depth) const {
+bool FeatureRefiner::refine(FeaturePixel& pixel, int feature_level, const Patch& patch, double patch_depth,
+                            const Eigen::Vector2d& expected, double depth) const {
   if (patch.empty() || !(patch_depth > 0.0 && depth > 0.0) || pyramid_.levels() == 0) return false;
   const double nearer = patch_depth / depth;
   const double size = scales_[static_cast<std::size_t>(patch.level)] * nearer;
@@ -15,18 +15,17 @@ bool FeatureRefiner::refine(FrameFeatures& features, int feature, const Patch& p
       static_cast<int>(std::clamp(std::round(std::log(size) / step), 0.0, pyramid_.levels() - 1.0));
   const float ratio = static_cast<float>(size / scales_[static_cast<std::size_t>(level)]);
   const Eigen::Vector2f offset = static_cast<float>(nearer) * patch.offset;
-  const std::optional<Eigen::Vector2f> found = align_patch(
-      patch, ratio, pyramid_.level(level), pyramid_.to_level(pixel.cast<float>() - offset, level), settings_);
+  const std::optional<Eigen::Vector2f> found =
+      align_patch(patch, ratio, pyramid_.level(level),
+                  pyramid_.to_level(expected.cast<float>() - offset, level), settings_);
   if (!found) return false;
   const Eigen::Vector2f position = pyramid_.to_full(*found, level) + offset;
-  Keypoint& keypoint = features.left.keypoints[static_cast<std::size_t>(feature)];
   const float farthest =
-      settings_.farthest * static_cast<float>(scales_[static_cast<std::size_t>(keypoint.level)]);
-  if ((position - Eigen::Vector2f(keypoint.u, keypoint.v)).norm() > farthest) return false;
-  float& u_right = features.u_right[static_cast<std::size_t>(feature)];
-  if (u_right >= 0.0F) u_right = std::max(0.0F, u_right + position.x() - keypoint.u);
-  keypoint.u = position.x();
-  keypoint.v = position.y();
+      settings_.farthest * static_cast<float>(scales_[static_cast<std::size_t>(feature_level)]);
+  if ((position - Eigen::Vector2f(pixel.u, pixel.v)).norm() > farthest) return false;
+  if (pixel.u_right >= 0.0F) pixel.u_right = std::max(0.0F, pixel.u_right + position.x() - pixel.u);
+  pixel.u = position.x();
+  pixel.v = position.y();
   return true;
 }
 

@@ -1,4 +1,4 @@
-// Moves a frame's features to where the patches of the points that they show are found.
+// Finds out where a frame's features are from the patches of the points that they show.
 //
 // A corner's place is known to a pixel of its level at best, the same corner's place in two images relative
 // to each other to a tenth, by comparing grey values. Every point carries a patch from the last keyframe in
@@ -13,7 +13,7 @@
 
 #include <vector>
 
-#include "slam/frontend/features/frame_features.h"
+#include "slam/frontend/features/feature_view.h"
 #include "slam/frontend/features/image_pyramid.h"
 #include "slam/frontend/features/patch_alignment.h"
 
@@ -25,10 +25,11 @@ class FeatureRefiner {
   FeatureRefiner(const ImagePyramid& pyramid, const std::vector<double>& scales)
       : pyramid_(pyramid), scales_(scales) {}
 
-  // `patch` shows the point at `patch_depth`, metres; in this image it is expected at `pixel`, at `depth`.
-  // True where it was found, near the feature: then the feature was moved, its right column along with it.
-  bool refine(FrameFeatures& features, int feature, const Patch& patch, double patch_depth,
-              const Eigen::Vector2d& pixel, double depth) const;
+  // `patch` shows the point at `patch_depth`, metres; in this image it is expected at `expected`, at `depth`.
+  // True where it was found, near `pixel`, the place of a feature of `feature_level`: then that was moved,
+  // its right column along with it.
+  bool refine(FeaturePixel& pixel, int feature_level, const Patch& patch, double patch_depth,
+              const Eigen::Vector2d& expected, double depth) const;
 
  private:
   const ImagePyramid& pyramid_;

@@ -11,12 +11,12 @@ struct CloseFeatures {
   int mapped = 0, unmapped = 0;
 };
 
-CloseFeatures count_close(const FrameFeatures& features, const std::vector<MapPoint*>& points,
+CloseFeatures count_close(const FeatureView& features, const std::vector<MapPoint*>& points,
                           double close_depth) {
   CloseFeatures close;
   for (int i = 0; i < features.size(); ++i) {
     const std::size_t at = static_cast<std::size_t>(i);
-    if (features.depth[at] < 0.0F || features.depth[at] > close_depth || features.is_movable(i)) continue;
+    if (features.depth(i) < 0.0F || features.depth(i) > close_depth || features.is_movable(i)) continue;
     ++(points[at] != nullptr ? close.mapped : close.unmapped);
   }
   return close;
@@ -37,8 +37,8 @@ bool becomes_keyframe(const Frame& frame, const KeyFrame& most_similar, int fram
                       const KeyframeSettings& settings) {
   if (frames_since >= settings.longest_gap) return true;
   if (similarity(frame, most_similar) < settings.least_similarity) return true;
-  const CloseFeatures here = count_close(*frame.features, frame.points, settings.close_depth);
-  const CloseFeatures there = count_close(*most_similar.features, most_similar.points, settings.close_depth);
+  const CloseFeatures here = count_close(frame.view(), frame.points, settings.close_depth);
+  const CloseFeatures there = count_close(most_similar.view(), most_similar.points, settings.close_depth);
   return here.mapped < settings.least_close_share * there.mapped && here.unmapped > here.mapped;
 }
 

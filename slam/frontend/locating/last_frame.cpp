@@ -9,8 +9,7 @@
 namespace penumbra::slam {
 
 void LastFrame::remember(Frame& frame) {
-  frame.patches = std::make_shared<const std::vector<Patch>>(
-      extract_patches(*frame.pyramid, frame.features->left.keypoints));
+  frame.patches = std::make_shared<const std::vector<Patch>>(extract_patches(*frame.pyramid, frame.view()));
   frame_ = frame;
   keyframe_ = nullptr;
 }
@@ -21,20 +20,26 @@ void LastFrame::set_keyframe(KeyFrame* keyframe) {
   frame_.T_c_reference = SE3{};
 }
 
+void LastFrame::set_movable(int index, const std::vector<char>& movable) {
+  if (!empty() && frame_.index == index && movable.size() == frame_.points.size()) frame_.movable = movable;
+}
+
 void LastFrame::refresh() {
   if (frame_.reference != nullptr) frame_.T_cw = frame_.T_c_reference * current_pose(*frame_.reference);
-  if (keyframe_ != nullptr && !keyframe_->erased) frame_.points = keyframe_->points;
+  if (keyframe_ != nullptr && !keyframe_->erased) {
+    frame_.points = keyframe_->points;
+    frame_.movable = keyframe_->movable;
+  }
   for (MapPoint*& point : frame_.points) point = present(point);
 }
 
 std::optional<Eigen::Vector3d> LastFrame::point(int feature) const {
-  const FrameFeatures& features = *frame_.features;
+  const FeatureView features = frame_.view();
   if (features.is_movable(feature)) return std::nullopt;
   if (const MapPoint* point = map_point(feature)) return point->position;
   if (!features.has_stereo(feature)) return std::nullopt;
-  const Keypoint& k = features.keypoint(feature);
-  return frame_.T_cw.inverse() *
-         map_.camera().back_project(k.u, k.v, features.depth[static_cast<std::size_t>(feature)]);
+  const FeaturePixel pixel = features.pixel(feature);
+  return frame_.T_cw.inverse() * map_.camera().back_project(pixel.u, pixel.v, features.depth(feature));
 }
 
 LoosePoint LastFrame::loose_point(int feature, int last_feature) const {
@@ -66,22 +71,21 @@ std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
 
 std::vector<MatchedPixels> LastFrame::pixels(const std::vector<Match>& matches,
                                              const std::vector<Projection>& projections,
-                                             const FrameFeatures& features) const {
+                                             const FeatureView& features) const {
   std::vector<Eigen::Vector2f> expected(frame_.points.size());
   for (const Projection& p : projections) expected[static_cast<std::size_t>(p.source)] = {p.u, p.v};
   std::vector<MatchedPixels> pixels;
   for (const Match& match : matches) {
-    const Keypoint& a = frame_.features->keypoint(match.source);
-    const Keypoint& b = features.keypoint(match.feature);
+    const FeaturePixel a = frame_.view().pixel(match.source), b = features.pixel(match.feature);
     pixels.push_back({{a.u, a.v}, {b.u, b.v}, expected[static_cast<std::size_t>(match.source)]});
   }
   return pixels;
 }
 
-std::vector<PoseObservation> LastFrame::match_anywhere(const FrameFeatures& features) const {
+std::vector<PoseObservation> LastFrame::match_anywhere(const FeatureView& features) const {
   std::vector<PoseObservation> observations;
   for (const Match& match :
-       match_descriptors(frame_.features->left.descriptors, features.left.descriptors, {})) {
+       match_descriptors(frame_.features->left.descriptors, features.measured().left.descriptors, {})) {
     const std::optional<Eigen::Vector3d> point = this->point(match.source);
     if (!point || features.is_movable(match.feature)) continue;
     observations.push_back({*point, measurement_of(features, match.feature, map_.scales())});

@@ -25,8 +25,12 @@ class LastFrame {
   const SE3& T_cw() const { return frame_.T_cw; }
   double timestamp() const { return frame_.timestamp; }  // seconds
 
-  // Takes `frame`, which must have its pyramid, as the last one.
+  int index() const { return frame_.index; }
+
+  // Takes `frame`, which must have its pyramid, as the last one; gives it its patches.
   void remember(Frame& frame);
+  // More of it is known to move by now: per feature of frame `index`, if that is the last one.
+  void set_movable(int index, const std::vector<char>& movable);
   // It has become `keyframe`, which is in the map when the next frame comes.
   void set_keyframe(KeyFrame* keyframe);
   void refresh();
@@ -44,10 +48,10 @@ class LastFrame {
   // looked for.
   std::vector<MatchedPixels> pixels(const std::vector<Match>& matches,
                                     const std::vector<Projection>& projections,
-                                    const FrameFeatures& features) const;
+                                    const FeatureView& features) const;
   // What the features of another frame measure of the points whose descriptors they resemble, wherever they
   // are in the image: about a third of the pairs are wrong.
-  std::vector<PoseObservation> match_anywhere(const FrameFeatures& features) const;
+  std::vector<PoseObservation> match_anywhere(const FeatureView& features) const;
 
  private:
   const Map& map_;

@@ -7,10 +7,10 @@ namespace penumbra::slam {
 
 namespace {
 
-// Keyframes that see points of the frame, most points first, the oldest of equals first.
-std::vector<KeyFrame*> keyframes_by_votes(const Frame& frame) {
+// Keyframes that see the points, most points first, the oldest of equals first.
+std::vector<KeyFrame*> keyframes_by_votes(std::span<MapPoint* const> shown) {
   std::map<int, Covisible> votes;
-  for (const MapPoint* point : frame.points) {
+  for (const MapPoint* point : shown) {
     if (point == nullptr) continue;
     for (const Observation& o : point->observations) {
       Covisible& vote = votes[o.keyframe->id];
@@ -29,9 +29,9 @@ std::vector<KeyFrame*> keyframes_by_votes(const Frame& frame) {
 
 }  // namespace
 
-LocalMap collect_local_map(const Frame& frame, KeyFrame* old_reference, int most_keyframes) {
+LocalMap collect_local_map(std::span<MapPoint* const> shown, KeyFrame* old_reference, int most_keyframes) {
   LocalMap local;
-  std::vector<KeyFrame*> keyframes = keyframes_by_votes(frame);
+  std::vector<KeyFrame*> keyframes = keyframes_by_votes(shown);
   local.reference = keyframes.empty() ? old_reference : keyframes.front();
   if (local.reference != nullptr) {
     std::vector<KeyFrame*> more = {local.reference};

@@ -5,9 +5,10 @@
 // Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section V-D.
 #pragma once
 
+#include <span>
 #include <vector>
 
-#include "slam/frontend/locating/frame.h"
+#include "slam/map/keyframe.h"
 
 namespace penumbra::slam {
 
@@ -16,6 +17,7 @@ struct LocalMap {
   std::vector<MapPoint*> points;  // in the order of their ids
 };
 
-LocalMap collect_local_map(const Frame& frame, KeyFrame* old_reference, int most_keyframes);
+// `shown`: the points that the frame shows, per feature, or nullptr.
+LocalMap collect_local_map(std::span<MapPoint* const> shown, KeyFrame* old_reference, int most_keyframes);
 
 }  // namespace penumbra::slam

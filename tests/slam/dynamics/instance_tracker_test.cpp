@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "nn/base/counter_random.h"
+#include "slam/dynamics/movers.h"
 #include "slam/frontend/features/image_pyramid.h"
 #include "tests/slam/world/synthetic.h"
 
@@ -24,7 +25,6 @@ void add_feature(const Eigen::Vector3d& pixel, double depth, std::uint64_t key, 
 
 // What depends on all features.
 void complete(const StereoCamera& camera, FrameFeatures& features) {
-  features.movable.assign(features.left.keypoints.size(), 0);
   features.grid = FeatureGrid(features.left.keypoints, camera.width, camera.height);
 }
 
@@ -35,7 +35,7 @@ class Street {
   const StereoCamera& camera() const { return camera_; }
   Eigen::Vector3d box(int frame) const { return {1.0, 0.5, 12.0 + (0.1 * box_speed_ - kStep) * frame}; }
 
-  std::shared_ptr<FrameFeatures> features(int frame) const {
+  std::shared_ptr<const FrameFeatures> features(int frame) const {
     auto features = std::make_shared<FrameFeatures>();
     for (int i = 0; i < 120; ++i) {
       const bool on_box = i < 40;
@@ -85,24 +85,36 @@ SE3 ahead() {
   return T;
 }
 
+// A frame that was located where it was predicted.
+void show(InstanceTracker& tracker, Movers& movers, int frame, std::shared_ptr<const FrameFeatures> features,
+          const SE3& T_step, bool reliable = true) {
+  std::vector<char> movable;
+  const FrameBeforePose before{frame, 0.1 * frame, std::move(features), T_step};
+  tracker.before_pose(before, movable);
+  movers.before_pose(before, movable);
+  const FrameAfterPose after{T_step, reliable, nullptr, std::nullopt};
+  tracker.after_pose(after, movable);
+  for (const Instance& mover : movers.after_pose(after, movable)) tracker.add_mover(frame, mover);
+}
+
 class Drive {
  public:
   Drive(double box_speed, const InstanceTrackerSettings& settings = {}, int first_number = 0)
-      : street(box_speed), tracker(street.camera(), level_scales({}), settings, first_number) {}
+      : street(box_speed),
+        tracker(street.camera(), level_scales({}), settings, first_number),
+        movers(street.camera(), level_scales({}), settings.companions, settings.motion) {}
   void to(int frames) {
     for (; frame < frames; ++frame) {
-      newest = street.features(frame);
-      tracker.carry(frame, 0.1 * frame, newest, frame == 0 ? SE3{} : ahead());
-      tracker.observe(frame == 0 ? SE3{} : ahead(), true);
+      show(tracker, movers, frame, street.features(frame), frame == 0 ? SE3{} : ahead());
     }
   }
   int marked() const {
-    return static_cast<int>(std::count(newest->movable.begin(), newest->movable.end(), 1));
+    return static_cast<int>(std::count(tracker.movable().begin(), tracker.movable().end(), 1));
   }
 
   Street street;
   InstanceTracker tracker;
-  std::shared_ptr<FrameFeatures> newest;
+  Movers movers;
   int frame = 0;
 };
 
@@ -128,11 +140,11 @@ TEST(InstanceTracker, SeesThatACarMovesAndCarriesItsMask) {
   drive.to(6);
   drive.tracker.add(4, {drive.street.instance(4, "car")});  // a frame late
   ASSERT_EQ(drive.tracker.instances().size(), 1U);
-  const TrackedInstance& car = drive.tracker.instances()[0];
+  const TrackedInstance car = drive.tracker.instances()[0];
   EXPECT_EQ(car.state(), MotionState::moving);
   EXPECT_GT(car.moving_probability(), 0.9);
   drive.to(12);
-  EXPECT_NEAR(car.velocity.z(), 8.0, 0.5);
+  EXPECT_NEAR(drive.tracker.instances()[0].velocity.z(), 8.0, 0.5);
   EXPECT_EQ(drive.marked(), 40);
   EXPECT_GT(drive.tracker.covered_share(), 0.005);
   ASSERT_EQ(drive.tracker.sightings().size(), 1U);
@@ -166,12 +178,12 @@ TEST(InstanceTracker, TellsTheMapWhatMovedInAKeyframe) {
   drive.to(5);
   drive.tracker.set_keyframe(&keyframe);
   drive.tracker.add(4, {drive.street.instance(4, "car")});
-  const std::vector<MovingFeatures> moving = drive.tracker.take_moving_features();
+  const std::vector<MovingFeatures> moving = drive.tracker.take_edits().moving;
   ASSERT_FALSE(moving.empty());
   EXPECT_EQ(moving[0].keyframe, &keyframe);
   EXPECT_EQ(moving[0].features.size(), 40U);
   EXPECT_EQ(drive.marked(), 0);  // a keyframe's features are the map's
-  EXPECT_TRUE(drive.tracker.take_moving_features().empty());
+  EXPECT_TRUE(drive.tracker.take_edits().moving.empty());
 }
 
 TEST(InstanceTracker, TellsTheMapTheObjectsOfAKeyframe) {
@@ -220,6 +232,7 @@ TEST(InstanceTracker, FindsNoCompanionWhereAllStands) {
 TEST(InstanceTracker, TakesNoFenceForACompanion) {
   const StereoCamera camera = test::test_camera();
   InstanceTracker tracker(camera, level_scales({}), {});
+  Movers movers(camera, level_scales({}), {}, {});
   for (int frame = 0; frame < 20; ++frame) {
     auto features = std::make_shared<FrameFeatures>();
     for (int post = 0; post < 30; ++post) {
@@ -231,10 +244,41 @@ TEST(InstanceTracker, TakesNoFenceForACompanion) {
       }
     }
     complete(camera, *features);
-    tracker.carry(frame, 0.1 * frame, features, frame == 0 ? SE3{} : ahead());
-    tracker.observe(frame == 0 ? SE3{} : ahead(), true);
+    show(tracker, movers, frame, features, frame == 0 ? SE3{} : ahead());
   }
   EXPECT_TRUE(tracker.instances().empty());
+}
+
+// A car is found, driven past, and another comes: each is told once when nobody can find it again.
+TEST(InstanceTracker, ForgetsWhatHasGoneForGood) {
+  InstanceTrackerSettings settings = masks_only();
+  settings.history = 10;
+  const StereoCamera camera = test::test_camera();
+  InstanceTracker tracker(camera, level_scales({}), settings);
+  Movers movers(camera, level_scales({}), settings.companions, settings.motion);
+  constexpr int kCars = 20, kFrames = 30;  // a car is in view for a dozen
+  int gone = 0;
+  for (int car = 0; car < kCars; ++car) {
+    const Street street(0.0);
+    for (int k = 0; k < kFrames; ++k) {
+      const int frame = car * kFrames + k;
+      auto features = std::make_shared<FrameFeatures>();
+      if (k < 12) *features = *street.features(k);
+      if (k >= 12) complete(camera, *features);
+      show(tracker, movers, frame, features, k == 0 ? SE3{} : ahead(), k > 0 && k < 12);
+      if (k == 4) {
+        Instance found = street.instance(k, "car");
+        tracker.add(frame, {found});
+      }
+      for (const TrackedInstance& instance : tracker.take_gone()) {
+        EXPECT_EQ(instance.id, gone++);
+        EXPECT_EQ(instance.class_name, "car");
+      }
+      EXPECT_LE(tracker.instances().size(), 2U);
+    }
+  }
+  EXPECT_GE(gone, kCars - 2);
+  EXPECT_EQ(gone + static_cast<int>(tracker.instances().size()), kCars);
 }
 
 TEST(InstanceTracker, IgnoresWeakInstancesAndForgottenFrames) {

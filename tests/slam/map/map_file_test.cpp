@@ -30,7 +30,6 @@ std::shared_ptr<const FrameFeatures> random_features(int count, std::uint64_t se
     f->left.descriptors.push_back({r, ~r, r * 3, r >> 3});
     f->u_right.push_back(stereo ? 10.0F : -1.0F);
     f->depth.push_back(stereo ? 8.0F : -1.0F);
-    f->movable.push_back(i % 10 == 0);
     f->colour.push_back({1, static_cast<std::uint8_t>(i), 3});
   }
   f->grid = FeatureGrid(f->left.keypoints, 1241, 376);
@@ -44,6 +43,7 @@ class MapFile : public ::testing::Test {
     for (int k = 0; k < 4; ++k) {
       keyframes.push_back(map.add_keyframe(7 * k, 0.7 * k, test::random_motion(k, 1.0, 0.3),
                                            random_features(k == 3 ? 0 : 60, static_cast<std::uint64_t>(k))));
+      for (std::size_t i = 0; i < keyframes.back()->movable.size(); i += 10) keyframes.back()->movable[i] = 1;
     }
     for (int i = 0; i < 50; ++i) {
       MapPoint* point = map.add_point({0.1 * i, -1.0, 10.0}, keyframes[0], i);
@@ -102,7 +102,7 @@ TEST_F(MapFile, GivesTheSameMapBack) {
     EXPECT_EQ(a.T_cw.translation, b.T_cw.translation);
     EXPECT_EQ(a.features->left.descriptors, b.features->left.descriptors);
     EXPECT_EQ(a.features->u_right, b.features->u_right);
-    EXPECT_EQ(a.features->movable, b.features->movable);
+    EXPECT_EQ(a.movable, b.movable);
     EXPECT_EQ(a.features->colour, b.features->colour);
     for (std::size_t i = 0; i < a.points.size(); ++i) {
       ASSERT_EQ(a.points[i] != nullptr, b.points[i] != nullptr);

@@ -23,7 +23,6 @@ std::shared_ptr<const FrameFeatures> features(int count, bool stereo) {
   }
   f->u_right.assign(n, stereo ? 50.0F : -1.0F);
   f->depth.assign(n, stereo ? 7.0F : -1.0F);
-  f->movable.assign(n, 0);
   f->colour.assign(n, {1, 2, 3});
   f->grid = FeatureGrid(f->left.keypoints, 1241, 376);
   return f;

@@ -26,7 +26,6 @@ class PointUncertainty : public ::testing::Test {
       features->left.descriptors.push_back({});
       features->u_right.push_back(stereo ? static_cast<float>(pixel.z()) : -1.0F);
       features->depth.push_back(stereo ? static_cast<float>(position.z()) : -1.0F);
-      features->movable.push_back(0);
       features->colour.push_back({});
       features->grid = FeatureGrid(features->left.keypoints, camera.width, camera.height);
       const int number = static_cast<int>(map.keyframes().size());

@@ -6,6 +6,7 @@
 #include "slam/map/map_file.h"
 #include "slam/pipeline/slam.h"
 #include "tests/slam/feature_world.h"
+#include "tests/slam/recorded_slam.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"
 
@@ -18,7 +19,7 @@ using penumbra::test::expect_error;
 class LoadedMap : public ::testing::Test {
  protected:
   LoadedMap() {
-    Slam slam(world.camera(), Sensor::stereo, settings);
+    test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, 0.0, 50.0);
     slam.finish();
     saved_keyframes = slam.map().keyframes().size();
@@ -26,7 +27,7 @@ class LoadedMap : public ::testing::Test {
     truth.clear();
   }
   std::unique_ptr<Map> load() const { return read_map(path); }
-  void drive(Slam& slam, double from, double to) {
+  void drive(test::RecordedSlam& slam, double from, double to) {
     for (double steps = from; steps < to; steps += 1.0) {
       const SE3 T_cw = world.T_cw(steps);
       const int index = static_cast<int>(slam.results().size());
@@ -34,7 +35,7 @@ class LoadedMap : public ::testing::Test {
       slam.process(index, 0.1 * index, world.view(T_cw, ++noise, seen));
     }
   }
-  double error(const Slam& slam, std::size_t frame) const {
+  double error(const test::RecordedSlam& slam, std::size_t frame) const {
     return (slam.trajectory()[frame].T_wc.translation - truth[frame].T_wc.translation).norm();
   }
 
@@ -50,7 +51,7 @@ class LoadedMap : public ::testing::Test {
 
 TEST_F(LoadedMap, IsFoundOnesWayInFromTheFirstFrameAndStaysAsItIs) {
   settings.localise = true;
-  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 20.3, 40.0);
   drive(slam, 5.5, 15.0);  // carried elsewhere
   slam.finish();
@@ -63,7 +64,7 @@ TEST_F(LoadedMap, IsFoundOnesWayInFromTheFirstFrameAndStaysAsItIs) {
 
 TEST_F(LoadedMap, BeyondItsEndTheCameraIsLostUntilItComesBack) {
   settings.localise = true;
-  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 80.0, 90.0);  // where nobody has been
   EXPECT_EQ(slam.lost(), 10);
   drive(slam, 30.0, 34.0);
@@ -73,7 +74,7 @@ TEST_F(LoadedMap, BeyondItsEndTheCameraIsLostUntilItComesBack) {
 }
 
 TEST_F(LoadedMap, IsGoneOnWith) {
-  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 40.2, 70.0);
   slam.finish();
   EXPECT_EQ(slam.lost(), 0);
@@ -87,7 +88,7 @@ TEST_F(LoadedMap, IsGoneOnWith) {
 }
 
 TEST_F(LoadedMap, IsTiedToWhatBeganElsewhere) {
-  Slam slam(world.camera(), Sensor::stereo, settings, {}, load());
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings, {}, load());
   drive(slam, 75.0, 118.0);  // from where nobody has been into the map's beginning
   slam.finish();
   ASSERT_EQ(slam.submaps().size(), 1U);

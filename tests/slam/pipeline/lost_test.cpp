@@ -3,6 +3,7 @@
 
 #include "slam/pipeline/slam.h"
 #include "tests/slam/feature_world.h"
+#include "tests/slam/recorded_slam.h"
 
 namespace penumbra::slam {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 class Lost : public ::testing::Test {
  protected:
   // A frame at `steps` along the ring road; what a camera in the dark would see where `dark`.
-  FrameResult show(Slam& slam, double steps, bool dark = false) {
+  FrameResult show(test::RecordedSlam& slam, double steps, bool dark = false) {
     const SE3 T_cw = world.T_cw(steps);
     const int index = static_cast<int>(slam.results().size());
     std::shared_ptr<FrameFeatures> view = std::make_shared<FrameFeatures>();
@@ -18,10 +19,10 @@ class Lost : public ::testing::Test {
     truth.push_back({0.1 * index, T_cw.inverse()});
     return slam.process(index, 0.1 * index, view);
   }
-  void drive(Slam& slam, double from, double to, double step = 1.0) {
+  void drive(test::RecordedSlam& slam, double from, double to, double step = 1.0) {
     for (double steps = from; steps < to; steps += step) show(slam, steps);
   }
-  double error(const Slam& slam, std::size_t frame) const {
+  double error(const test::RecordedSlam& slam, std::size_t frame) const {
     return (slam.trajectory()[frame].T_wc.translation - truth[frame].T_wc.translation).norm();
   }
 
@@ -32,7 +33,7 @@ class Lost : public ::testing::Test {
 };
 
 TEST_F(Lost, ARingIsFollowedAndClosed) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 124.0);
   slam.finish();
   EXPECT_EQ(slam.lost(), 0);
@@ -43,7 +44,7 @@ TEST_F(Lost, ARingIsFollowedAndClosed) {
 }
 
 TEST_F(Lost, FiveDarkFramesCostFiveFrames) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   for (int i = 0; i < 40; ++i) show(slam, i, i >= 20 && i < 25);
   EXPECT_EQ(slam.lost(), 5);
   EXPECT_FALSE(slam.results()[24].tracking.recovered);
@@ -54,7 +55,7 @@ TEST_F(Lost, FiveDarkFramesCostFiveFrames) {
 }
 
 TEST_F(Lost, AJumpBackToAPlaceOfLongAgoIsLocatedAtOnce) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 70.0);
   drive(slam, 20.3, 35.0);
   EXPECT_EQ(slam.lost(), 0);
@@ -66,7 +67,7 @@ TEST_F(Lost, AJumpBackToAPlaceOfLongAgoIsLocatedAtOnce) {
 TEST_F(Lost, DoubleAndTripleStepAreFollowed) {
   for (const double step : {2.0, 3.0}) {
     truth.clear();
-    Slam slam(world.camera(), Sensor::stereo, settings);
+    test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, 0.0, 100.0, step);
     EXPECT_EQ(slam.lost(), 0) << step;
     EXPECT_LT(error(slam, truth.size() - 1), 0.5) << step;
@@ -75,7 +76,7 @@ TEST_F(Lost, DoubleAndTripleStepAreFollowed) {
 
 // After standing still no prediction leads to the next frame, and the last keyframe alone has made points.
 TEST_F(Lost, AStepThatNobodyExpectsIsFollowed) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   for (int i = 0; i < 6; ++i) show(slam, 0.0);
   drive(slam, 3.0, 60.0, 3.0);
   EXPECT_EQ(slam.lost(), 0);
@@ -84,7 +85,7 @@ TEST_F(Lost, AStepThatNobodyExpectsIsFollowed) {
 }
 
 TEST_F(Lost, ANewPieceIsMergedWhenItComesToAKnownPlace) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 25.0);
   drive(slam, 60.0, 80.0);
   ASSERT_EQ(slam.submaps().size(), 2U);
@@ -100,7 +101,7 @@ TEST_F(Lost, ANewPieceIsMergedWhenItComesToAKnownPlace) {
 }
 
 TEST_F(Lost, APieceThatIsNeverTiedKeepsItsGuess) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 25.0);
   drive(slam, 55.0, 80.0);
   slam.finish();
@@ -124,7 +125,7 @@ TEST_F(Lost, EverythingRepeatsBitForBit) {
   std::vector<Trajectory> trajectories;
   for (const int threads : {1, 2}) {
     settings.threads = threads;
-    Slam slam(world.camera(), Sensor::stereo, settings);
+    test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, 0.0, 25.0);
     drive(slam, 60.0, 124.0);
     slam.finish();

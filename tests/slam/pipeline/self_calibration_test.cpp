@@ -7,6 +7,7 @@
 #include "slam/map/map_file.h"
 #include "slam/pipeline/slam.h"
 #include "tests/slam/feature_world.h"
+#include "tests/slam/recorded_slam.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::slam {
@@ -16,7 +17,7 @@ namespace {
 // nothing.
 class SelfCalibration : public ::testing::Test {
  protected:
-  void drive(Slam& slam, double offset, double to) {
+  void drive(test::RecordedSlam& slam, double offset, double to) {
     for (double steps = 0.0; steps < to; steps += 1.0) {
       const SE3 T_cw = world.T_cw(steps);
       const int index = static_cast<int>(slam.results().size());
@@ -34,7 +35,7 @@ class SelfCalibration : public ::testing::Test {
     slam.finish();
   }
   // Root mean square over the frames, metres.
-  double error(const Slam& slam) const {
+  double error(const test::RecordedSlam& slam) const {
     double sum = 0.0;
     const Trajectory found = slam.trajectory();
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -52,7 +53,7 @@ class SelfCalibration : public ::testing::Test {
 TEST_F(SelfCalibration, FindsTheOffsetAndMendsTheWay) {
   for (const double offset : {-0.3, 0.3}) {
     truth.clear();
-    Slam slam(world.camera(), Sensor::stereo, settings);
+    test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
     drive(slam, offset, 60.0);
     EXPECT_NEAR(slam.map().camera().disparity_offset, offset, 0.1);
     const double with = error(slam);
@@ -60,7 +61,7 @@ TEST_F(SelfCalibration, FindsTheOffsetAndMendsTheWay) {
     truth.clear();
     SlamSettings off = settings;
     off.full_bundle.disparity_offset_sigma = 0.0;
-    Slam exact(world.camera(), Sensor::stereo, off);
+    test::RecordedSlam exact(world.camera(), Sensor::stereo, off);
     drive(exact, offset, 60.0);
     EXPECT_EQ(exact.map().camera().disparity_offset, 0.0);
     EXPECT_LT(with, 0.7 * error(exact)) << offset;
@@ -68,19 +69,19 @@ TEST_F(SelfCalibration, FindsTheOffsetAndMendsTheWay) {
 }
 
 TEST_F(SelfCalibration, FindsNoneWhereThereIsNone) {
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 60.0);
   EXPECT_NEAR(slam.map().camera().disparity_offset, 0.0, 0.1);
 }
 
 TEST_F(SelfCalibration, GoesOnFromTheOffsetOfALoadedMap) {
   const penumbra::test::TemporaryDirectory folder;
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.5, 60.0);
   write_map(folder / "ring.map", slam.map());
   settings.localise = true;
   truth.clear();
-  Slam again(world.camera(), Sensor::stereo, settings, {}, read_map(folder / "ring.map"));
+  test::RecordedSlam again(world.camera(), Sensor::stereo, settings, {}, read_map(folder / "ring.map"));
   EXPECT_EQ(again.map().camera().disparity_offset, slam.map().camera().disparity_offset);
   drive(again, 0.5, 30.0);
   EXPECT_EQ(again.lost(), 0);

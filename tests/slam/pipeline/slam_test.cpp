@@ -11,6 +11,7 @@
 #include "slam/geometry/association.h"
 #include "slam/map/map_file.h"
 #include "slam/sources/open_dataset.h"
+#include "tests/slam/recorded_slam.h"
 #include "tests/slam/world/synthetic.h"
 #include "tests/support/cv_images.h"
 #include "tests/support/test_data.h"
@@ -76,7 +77,7 @@ void expect_equal(const Trajectory& a, const Trajectory& b) {
 
 TEST(Slam, FollowsACameraAlongWalls) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 30; ++i) slam.process(walls.frame(3 * i));
   EXPECT_EQ(slam.lost(), 0);
   const Trajectory trajectory = slam.trajectory();
@@ -90,7 +91,7 @@ TEST(Slam, FollowsACameraAlongWalls) {
 
 TEST(Slam, BlackFramesAreLostAndTheWayIsFoundAgain) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 30; ++i) slam.process(i >= 12 && i < 17 ? black(walls, i) : walls.frame(i));
   EXPECT_EQ(slam.lost(), 5);
   const Trajectory trajectory = slam.trajectory();
@@ -102,7 +103,7 @@ TEST(Slam, BlackFramesAreLostAndTheWayIsFoundAgain) {
 
 TEST(Slam, ASequenceThatJumpsIsFollowed) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 40; ++i) {
     if (i < 15 || i >= 22) slam.process(walls.frame(i));
   }
@@ -112,7 +113,7 @@ TEST(Slam, ASequenceThatJumpsIsFollowed) {
 
 TEST(Slam, GoesOnWithANewPieceWhereNothingIsRecognised) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 10; ++i) slam.process(walls.frame(i));
   const std::size_t keyframes = slam.map().keyframes().size();
   // Suddenly a different place: upside down.
@@ -132,7 +133,7 @@ TEST(Slam, GoesOnWithANewPieceWhereNothingIsRecognised) {
 
 TEST(Slam, StartsWhenThereIsSomethingToSee) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {});
   EXPECT_TRUE(slam.trajectory().empty());
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(slam.process(black(walls, i)).tracking.state, TrackingState::initialising);
@@ -144,7 +145,7 @@ TEST(Slam, StartsWhenThereIsSomethingToSee) {
 
 TEST(Slam, TakesTimesThatStandStillRunBackwardsOrAreNoNumbers) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 12; ++i) {
     StereoImages images = walls.frame(i);
     if (i % 3 == 0) images.timestamp = 1.0;
@@ -160,7 +161,7 @@ TEST(Slam, ResultsRepeatBitForBitWhateverTheThreads) {
   std::vector<Trajectory> trajectories;
   for (const int threads : {1, 2, 2}) {
     settings.threads = threads;
-    Slam slam(walls.camera(), Sensor::stereo, settings);
+    test::RecordedSlam slam(walls.camera(), Sensor::stereo, settings);
     for (int i = 0; i < 15; ++i) slam.process(walls.frame(2 * i));
     trajectories.push_back(slam.trajectory());
   }
@@ -174,7 +175,7 @@ std::vector<Instance> upper_half(int /*frame*/, const ByteImage& image) {
   return {{3, "car", 0.9F, region, ByteImage::filled(region.width, region.height, 255)}};
 }
 
-int points_above(const Slam& slam) {
+int points_above(const test::RecordedSlam& slam) {
   return static_cast<int>(
       std::count_if(slam.map().points().begin(), slam.map().points().end(),
                     [](const auto& point) { return !point->erased && point->position.y() < 0.0; }));
@@ -185,7 +186,7 @@ TEST(Slam, ByClassAloneMovableInstancesStayOutOfTheMap) {
   SlamSettings settings;
   settings.semantics.mode = SegmentationMode::all;
   settings.semantics.instances.check_motion = false;
-  Slam slam(walls.camera(), Sensor::stereo, settings, upper_half);
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, settings, upper_half);
   for (int i = 0; i < 8; ++i) {
     const FrameResult result = slam.process(walls.frame(2 * i));
     EXPECT_GT(result.movable_features, result.features / 4);
@@ -196,19 +197,22 @@ TEST(Slam, ByClassAloneMovableInstancesStayOutOfTheMap) {
 
 TEST(Slam, WhatStandsStaysInTheMapWhateverItsClass) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {}, upper_half);
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {}, upper_half);
   for (int i = 0; i < 16; ++i) slam.process(walls.frame(2 * i));
   slam.finish();
   EXPECT_EQ(slam.lost(), 0);
   EXPECT_GT(points_above(slam), 100);
   ASSERT_EQ(slam.instances().size(), 1U);
+  ASSERT_EQ(slam.record().instances().size(), 1U);
+  EXPECT_EQ(slam.record().instances()[0].id, slam.instances()[0].id);
+  EXPECT_FALSE(slam.record().sightings().empty());
   EXPECT_EQ(slam.instances()[0].state(), MotionState::still);
 }
 
 TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
   const Walls walls;
   std::vector<int> segmented;
-  Slam slam(walls.camera(), Sensor::stereo, {}, [&](int frame, const ByteImage&) {
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {}, [&](int frame, const ByteImage&) {
     segmented.push_back(frame);
     return std::vector<Instance>{};
   });
@@ -224,7 +228,7 @@ TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
 TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
   const Walls walls;
   const penumbra::test::TemporaryDirectory folder;
-  Slam first(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam first(walls.camera(), Sensor::stereo, {});
   for (int i = 0; i < 12; ++i) first.process(walls.frame(i));
   first.finish();
   write_map(folder / "walls.map", first.map());
@@ -236,7 +240,8 @@ TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
   };
   SlamSettings settings;
   settings.localise = true;
-  Slam again(walls.camera(), Sensor::stereo, settings, segmenter, read_map(folder / "walls.map"));
+  test::RecordedSlam again(walls.camera(), Sensor::stereo, settings, segmenter,
+                           read_map(folder / "walls.map"));
   for (int i = 0; i < 8; ++i) again.process(walls.frame(i));
   EXPECT_EQ(again.lost(), 0);
   EXPECT_EQ(segmented, (std::vector<int>{0, 3, 6}));
@@ -244,7 +249,7 @@ TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
 
 TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {
   const Walls walls;
-  Slam slam(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {});
   StereoImages images = walls.frame(0);
   images.right = ByteImage::copy_of(images.right.region({0, 0, 600, images.right.height()}));
   EXPECT_THROW(slam.process(images), InputError);
@@ -265,9 +270,9 @@ TEST(Slam, RefusesImagesAndCamerasThatCannotBe) {
 // Depth has no disparity at infinity, whoever calls: nothing of the kind may be calibrated.
 TEST(Slam, DerivesSettingsFromTheSensor) {
   const Walls walls;
-  Slam stereo(walls.camera(), Sensor::stereo, {});
+  test::RecordedSlam stereo(walls.camera(), Sensor::stereo, {});
   EXPECT_GT(stereo.settings().full_bundle.disparity_offset_sigma, 0.0);
-  Slam rgbd(walls.camera(), Sensor::rgbd, {});
+  test::RecordedSlam rgbd(walls.camera(), Sensor::rgbd, {});
   EXPECT_EQ(rgbd.settings().full_bundle.disparity_offset_sigma, 0.0);
 
   StereoImages images = walls.frame(0);
@@ -281,7 +286,7 @@ TEST(Slam, DerivesSettingsFromTheSensor) {
 // Drift over segments of 10 to 50 metres.
 SegmentDrift drift_on(const std::filesystem::path& folder, const SlamSettings& settings, int& lost) {
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
-  Slam slam(dataset->camera(), dataset->sensor(), settings);
+  test::RecordedSlam slam(dataset->camera(), dataset->sensor(), settings);
   for (int i = 0; i < dataset->size(); ++i) slam.process(dataset->load(i));
   lost = slam.lost();
   return kitti_metrics(*dataset->ground_truth(), slam.trajectory(), {10.0, 20.0, 30.0, 40.0, 50.0}).overall;
@@ -306,7 +311,7 @@ TEST(SlamRealData, EverySecondAndEveryThirdFrameIsEnough) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
   for (const int step : {2, 3}) {
-    Slam slam(dataset->camera(), dataset->sensor(), {});
+    test::RecordedSlam slam(dataset->camera(), dataset->sensor(), {});
     Trajectory truth;
     for (int i = 0; i < dataset->size(); i += step) {
       slam.process(dataset->load(i));
@@ -319,7 +324,7 @@ TEST(SlamRealData, EverySecondAndEveryThirdFrameIsEnough) {
 
 // Metres between the camera's path and its ground truth, root mean square, of the frames that were located.
 double path_error(const StereoDataset& dataset, int& lost) {
-  Slam slam(dataset.camera(), dataset.sensor(), {});
+  test::RecordedSlam slam(dataset.camera(), dataset.sensor(), {});
   for (int i = 0; i < dataset.size(); ++i) slam.process(dataset.load(i));
   slam.finish();
   lost = slam.lost();
@@ -353,7 +358,7 @@ TEST(SlamRealData, AFrameASecondIsEnoughInARoom) {
 TEST(SlamRealData, FramesLeftOutAndBlackFramesDoNotEndTracking) {
   PENUMBRA_REAL_DATA(folder, "kitti/sequences/06");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
-  Slam slam(dataset->camera(), dataset->sensor(), {});
+  test::RecordedSlam slam(dataset->camera(), dataset->sensor(), {});
   Trajectory truth;
   for (int i = 0; i < dataset->size(); ++i) {
     if (i == 15 || i == 16) continue;  // a jump of four metres

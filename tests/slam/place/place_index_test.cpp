@@ -28,7 +28,6 @@ std::shared_ptr<FrameFeatures> view_of(int place, double noise, std::uint64_t se
   const std::size_t n = static_cast<std::size_t>(features);
   view->u_right.assign(n, 5.0F);
   view->depth.assign(n, 10.0F);
-  view->movable.assign(n, 0);
   view->colour.assign(n, {});
   return view;
 }

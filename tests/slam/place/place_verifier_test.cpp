@@ -39,7 +39,6 @@ class PlaceVerifier : public ::testing::Test {
       left.u_right.push_back(all->u_right[i]);
       left.depth.push_back(all->depth[i]);
     }
-    left.movable.assign(left.left.keypoints.size(), 0);
     left.colour.assign(left.left.keypoints.size(), {});
     left.grid = FeatureGrid(left.left.keypoints, world.camera().width, world.camera().height);
     return left;

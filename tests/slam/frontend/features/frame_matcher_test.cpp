@@ -27,7 +27,6 @@ FrameFeatures grid_frame() {
   const std::size_t n = frame.left.keypoints.size();
   frame.u_right.assign(n, -1.0F);
   frame.depth.assign(n, -1.0F);
-  frame.movable.assign(n, 0);
   frame.grid = FeatureGrid(frame.left.keypoints, 400, 200);
   return frame;
 }
@@ -51,15 +50,17 @@ TEST(FrameMatcher, FindsEveryFeatureInItsWindow) {
 }
 
 TEST(FrameMatcher, FindsNothingOutsideItsWindowOrAmongTakenAndMovableFeatures) {
-  FrameFeatures frame = grid_frame();
+  const FrameFeatures frame = grid_frame();
   FrameMatcherSettings narrow;
   narrow.radius = 5.0F;
   narrow.max_distance = 60;
   EXPECT_TRUE(match_projections(projections_of(frame, 8.0F), frame, {}, kScales, narrow).empty());
   const std::vector<char> taken(200, 1);
   EXPECT_TRUE(match_projections(projections_of(frame, 0.0F), frame, taken, kScales, narrow).empty());
-  std::fill(frame.movable.begin(), frame.movable.end(), 1);
-  EXPECT_TRUE(match_projections(projections_of(frame, 0.0F), frame, {}, kScales, narrow).empty());
+  const std::vector<char> movable(200, 1);
+  const FeatureView moving(frame, movable);
+  EXPECT_TRUE(match_projections(projections_of(frame, 0.0F), moving, {}, kScales, narrow).empty());
+  EXPECT_FALSE(match_projections(projections_of(frame, 0.0F), frame, {}, kScales, narrow).empty());
 }
 
 TEST(FrameMatcher, AFeatureKeepsTheNearestOfItsSuitors) {

@@ -18,27 +18,24 @@ class FeatureRefinerTest : public ::testing::Test {
     cv::GaussianBlur(image, image, cv::Size(7, 7), 1.5);
     image_ = image;
     pyramid_.build(test::byte_image(image_), settings_);
-    features_.left.keypoints = {{300.0F, 200.0F, 2, 0.0F, 1.0F}};
-    features_.left.descriptors.resize(1);
-    features_.u_right = {280.0F};
-    features_.depth = {10.0F};
   }
 
   cv::Mat image_;
   PyramidSettings settings_;
   ImagePyramid pyramid_;
   std::vector<double> scales_ = level_scales(settings_);
-  FrameFeatures features_;
+  FeaturePixel pixel_{300.0F, 200.0F, 280.0F};
+  static constexpr int kLevel = 2;
 };
 
 TEST_F(FeatureRefinerTest, MovesAFeatureToWhereThePatchIs) {
   const Patch patch = extract_patch(pyramid_, {301.1F, 200.6F, 2, 0.0F, 1.0F});
   const FeatureRefiner refiner(pyramid_, scales_);
-  ASSERT_TRUE(refiner.refine(features_, 0, patch, 10.0, {300.0, 201.0}, 10.0));
-  EXPECT_NEAR(features_.keypoint(0).u, 301.1, 0.05);
-  EXPECT_NEAR(features_.keypoint(0).v, 200.6, 0.05);
+  ASSERT_TRUE(refiner.refine(pixel_, kLevel, patch, 10.0, {300.0, 201.0}, 10.0));
+  EXPECT_NEAR(pixel_.u, 301.1, 0.05);
+  EXPECT_NEAR(pixel_.v, 200.6, 0.05);
   // The disparity is what was measured.
-  EXPECT_NEAR(features_.keypoint(0).u - features_.u_right[0], 20.0, 1e-3);
+  EXPECT_NEAR(pixel_.u - pixel_.u_right, 20.0, 1e-3);
 }
 
 // The camera has come nearer by half: the patch is 1.5 times as large, which is between levels 4 and 5.
@@ -50,28 +47,28 @@ TEST_F(FeatureRefinerTest, FindsThePatchOfANearerPoint) {
   pyramid.build(test::byte_image(nearer), settings_);
   const Patch patch = extract_patch(pyramid_, {300.4F, 199.8F, 2, 0.0F, 1.0F});
   const FeatureRefiner refiner(pyramid, scales_);
-  ASSERT_TRUE(refiner.refine(features_, 0, patch, 15.0, {300.0, 200.0}, 10.0));
-  EXPECT_NEAR(features_.keypoint(0).u, 300.6, 0.15);
-  EXPECT_NEAR(features_.keypoint(0).v, 199.7, 0.15);
+  ASSERT_TRUE(refiner.refine(pixel_, kLevel, patch, 15.0, {300.0, 200.0}, 10.0));
+  EXPECT_NEAR(pixel_.u, 300.6, 0.15);
+  EXPECT_NEAR(pixel_.v, 199.7, 0.15);
 }
 
 TEST_F(FeatureRefinerTest, LeavesAFeatureWhereItIsWhenThePatchIsNot) {
   const Patch patch = extract_patch(pyramid_, {500.0F, 100.0F, 2, 0.0F, 1.0F});
   const FeatureRefiner refiner(pyramid_, scales_);
-  const FrameFeatures before = features_;
+  const FeaturePixel before = pixel_;
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(refiner.refine(features_, 0, patch, 10.0, {300.0, 200.0}, 10.0)) << "another place";
-  EXPECT_FALSE(refiner.refine(features_, 0, patch, 10.0, {500.0, 100.0}, 10.0)) << "far from the feature";
-  EXPECT_FALSE(refiner.refine(features_, 0, patch, 10.0, {300.0, 200.0}, 0.5)) << "much larger";
-  EXPECT_FALSE(refiner.refine(features_, 0, patch, 10.0, {300.0, 200.0}, 1e9)) << "much smaller";
-  EXPECT_FALSE(refiner.refine(features_, 0, patch, kNaN, {300.0, 200.0}, 10.0));
-  EXPECT_FALSE(refiner.refine(features_, 0, patch, 10.0, {kNaN, 200.0}, 10.0));
-  EXPECT_FALSE(refiner.refine(features_, 0, patch, 10.0, {300.0, 200.0}, kNaN));
-  EXPECT_FALSE(refiner.refine(features_, 0, {}, 10.0, {300.0, 200.0}, 10.0)) << "no patch";
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, patch, 10.0, {300.0, 200.0}, 10.0)) << "another place";
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, patch, 10.0, {500.0, 100.0}, 10.0)) << "far from the feature";
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, patch, 10.0, {300.0, 200.0}, 0.5)) << "much larger";
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, patch, 10.0, {300.0, 200.0}, 1e9)) << "much smaller";
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, patch, kNaN, {300.0, 200.0}, 10.0));
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, patch, 10.0, {kNaN, 200.0}, 10.0));
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, patch, 10.0, {300.0, 200.0}, kNaN));
+  EXPECT_FALSE(refiner.refine(pixel_, kLevel, {}, 10.0, {300.0, 200.0}, 10.0)) << "no patch";
   const ImagePyramid none;
-  EXPECT_FALSE(FeatureRefiner(none, scales_).refine(features_, 0, patch, 10.0, {300.0, 200.0}, 10.0));
-  EXPECT_EQ(features_.keypoint(0).u, before.keypoint(0).u);
-  EXPECT_EQ(features_.u_right, before.u_right);
+  EXPECT_FALSE(FeatureRefiner(none, scales_).refine(pixel_, kLevel, patch, 10.0, {300.0, 200.0}, 10.0));
+  EXPECT_EQ(pixel_.u, before.u);
+  EXPECT_EQ(pixel_.u_right, before.u_right);
 }
 
 }  // namespace

@@ -53,11 +53,40 @@ TEST_F(LastFrameTest, PrefersTheMapAndLeavesOutWhatMoves) {
   KeyFrame* keyframe = map.add_keyframe(0, 0.0, frame.T_cw, frame.features);
   MapPoint* point = map.add_point({1.0, 2.0, 30.0}, keyframe, 0);
   frame.points[0] = point;
-  frame.features->movable[1] = 1;
+  frame.movable.assign(frame.points.size(), 0);
+  frame.movable[1] = 1;
   last.remember(frame);
   EXPECT_EQ(last.map_point(0), point);
   EXPECT_EQ(*last.point(0), point->position);
   EXPECT_FALSE(last.point(1));
+}
+
+TEST_F(LastFrameTest, TakesWhatIsFoundOutLater) {
+  last.remember(frame);
+  ASSERT_TRUE(last.point(1));
+  std::vector<char> movable(frame.points.size(), 0);
+  movable[1] = 1;
+  last.set_movable(frame.index + 1, movable);
+  EXPECT_TRUE(last.point(1)) << "of another frame";
+  last.set_movable(frame.index, {1});
+  EXPECT_TRUE(last.point(1)) << "of another size";
+  last.set_movable(frame.index, movable);
+  EXPECT_FALSE(last.point(1));
+  last.refresh();
+  EXPECT_FALSE(last.point(1));
+}
+
+TEST_F(LastFrameTest, PutsFeaturesWhereTheirPatchesWereFound) {
+  auto pixels = std::make_shared<FeaturePixels>();
+  for (int i = 0; i < frame.features->size(); ++i) {
+    pixels->push_back(FeatureView::measured_pixel(*frame.features, i));
+    pixels->back().u += 0.25F;
+  }
+  frame.pixels = pixels;
+  last.remember(frame);
+  for (const Projection& p : last.project(frame.T_cw)) {
+    EXPECT_NEAR(p.u, frame.features->keypoint(p.source).u + 0.25F, 1e-2);
+  }
 }
 
 // The mapper has moved the keyframe and made a point of one of its features.

@@ -24,14 +24,17 @@ class MapMatching : public ::testing::Test {
           there.inverse() * world.camera().back_project(k.u, k.v, features->depth[std::size_t(i)]), keyframe,
           i));
     }
-    frame.T_cw = world.T_cw(3.2);
-    frame.features = world.view(frame.T_cw, 2, seen);
-    frame.points.assign(static_cast<std::size_t>(frame.features->size()), nullptr);
-    frame.aligned.assign(frame.points.size(), 0);
+    frame.features = world.view(world.T_cw(3.2), 2, seen);
     frame.pyramid = &pyramid;
+    found.begin(frame, nullptr);
+    found.T_cw = world.T_cw(3.2);
+  }
+  void match() { match_map_points(world.camera(), map.scales(), points, 10.0F, frame, found); }
+  std::vector<PoseObservation> refine() {
+    return refine_observations(world.camera(), map.scales(), frame, found);
   }
   long shown() const {
-    return std::count_if(frame.points.begin(), frame.points.end(), [](const MapPoint* p) { return p; });
+    return std::count_if(found.points.begin(), found.points.end(), [](const MapPoint* p) { return p; });
   }
 
   test::FeatureWorld world;
@@ -40,61 +43,65 @@ class MapMatching : public ::testing::Test {
   std::vector<int> seen;
   std::vector<MapPoint*> points;
   Frame frame;
+  Hypothesis found;
 };
 
 TEST_F(MapMatching, FindsThePointsWhereTheyProject) {
-  const auto looked_for = match_map_points(world.camera(), map.scales(), points, 10.0F, frame);
-  EXPECT_GT(looked_for.size(), points.size() / 2);
-  EXPECT_LE(looked_for.size(), points.size());
-  EXPECT_GT(shown(), static_cast<long>(looked_for.size()) / 2);
+  match();
+  EXPECT_GT(found.looked_for.size(), points.size() / 2);
+  EXPECT_LE(found.looked_for.size(), points.size());
+  EXPECT_GT(shown(), static_cast<long>(found.looked_for.size()) / 2);
 }
 
 TEST_F(MapMatching, CountsWhatTheFrameShowsAlreadyOnce) {
-  match_map_points(world.camera(), map.scales(), points, 10.0F, frame);
+  match();
   const long before = shown();
-  auto looked_for = match_map_points(world.camera(), map.scales(), points, 10.0F, frame);
+  match();
+  std::vector<MapPoint*> looked_for = found.looked_for;
   std::sort(looked_for.begin(), looked_for.end());
   EXPECT_EQ(std::adjacent_find(looked_for.begin(), looked_for.end()), looked_for.end());
   EXPECT_GE(shown(), before);
 }
 
 TEST_F(MapMatching, KeepsThePointsThatAgreeWithThePose) {
-  match_map_points(world.camera(), map.scales(), points, 10.0F, frame);
-  const std::vector<PoseObservation> observations =
-      refine_observations(world.camera(), map.scales(), {}, frame);
+  match();
+  const std::vector<PoseObservation> observations = refine();
   ASSERT_EQ(static_cast<long>(observations.size()), shown());
-  const PoseEstimate estimate = optimize_pose(world.camera(), frame.T_cw, observations);
-  const int kept = keep_agreeing(world.camera(), map.scales(), observations, estimate, frame);
+  const PoseEstimate estimate = optimize_pose(world.camera(), found.T_cw, observations);
+  const int kept = keep_agreeing(world.camera(), map.scales(), observations, estimate, frame, found);
   EXPECT_EQ(kept, estimate.inliers);
   EXPECT_EQ(kept, shown());
   EXPECT_LT((estimate.T_cw.inverse().translation - world.T_cw(3.2).inverse().translation).norm(), 0.1);
 }
 
 TEST_F(MapMatching, MeasuresLoosePointsOfFeaturesWithoutAMapPoint) {
-  match_map_points(world.camera(), map.scales(), points, 10.0F, frame);
-  const auto free = std::find(frame.points.begin(), frame.points.end(), nullptr) - frame.points.begin();
-  const auto taken = std::find_if(frame.points.begin(), frame.points.end(), [](auto* p) { return p; }) -
-                     frame.points.begin();
-  ASSERT_LT(free, static_cast<long>(frame.points.size()));
+  match();
+  const auto free = std::find(found.points.begin(), found.points.end(), nullptr) - found.points.begin();
+  const auto taken = std::find_if(found.points.begin(), found.points.end(), [](auto* p) { return p; }) -
+                     found.points.begin();
+  ASSERT_LT(free, static_cast<long>(found.points.size()));
   const Patch patch;
-  const Eigen::Vector3d ahead = frame.T_cw.inverse() * Eigen::Vector3d(0.0, 0.0, 20.0);
-  const std::vector<LoosePoint> loose = {{static_cast<int>(free), ahead, &patch, 20.0},
-                                         {static_cast<int>(taken), ahead, &patch, 20.0}};
-  const auto observations = refine_observations(world.camera(), map.scales(), loose, frame);
+  const Eigen::Vector3d ahead = found.T_cw.inverse() * Eigen::Vector3d(0.0, 0.0, 20.0);
+  found.loose = {{static_cast<int>(free), ahead, &patch, 20.0},
+                 {static_cast<int>(taken), ahead, &patch, 20.0}};
+  const auto observations = refine();
   ASSERT_EQ(static_cast<long>(observations.size()), shown() + 1);
   EXPECT_EQ(observations.back().point, ahead);
 }
 
 TEST_F(MapMatching, FindsNothingWithoutPointsOrFeatures) {
-  EXPECT_TRUE(match_map_points(world.camera(), map.scales(), {}, 10.0F, frame).empty());
+  match_map_points(world.camera(), map.scales(), {}, 10.0F, frame, found);
+  EXPECT_TRUE(found.looked_for.empty());
   EXPECT_EQ(shown(), 0);
-  Frame empty;
-  empty.features = std::make_shared<FrameFeatures>();
-  empty.features->grid = FeatureGrid(empty.features->left.keypoints, 640, 480);
-  empty.T_cw = frame.T_cw;
-  empty.pyramid = &pyramid;
-  EXPECT_FALSE(match_map_points(world.camera(), map.scales(), points, 10.0F, empty).empty());
-  EXPECT_TRUE(refine_observations(world.camera(), map.scales(), {}, empty).empty());
+  auto none = std::make_shared<FrameFeatures>();
+  none->grid = FeatureGrid(none->left.keypoints, 640, 480);
+  frame.features = none;
+  const SE3 T_cw = found.T_cw;
+  found.begin(frame, nullptr);
+  found.T_cw = T_cw;
+  match();
+  EXPECT_FALSE(found.looked_for.empty());
+  EXPECT_TRUE(refine().empty());
 }
 
 }  // namespace

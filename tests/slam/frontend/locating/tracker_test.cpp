@@ -1,4 +1,4 @@
-// What a discarded attempt to locate a frame leaves behind: nothing.
+// What a hypothesis that was not taken leaves behind: nothing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include "nn/base/counter_random.h"
 #include "slam/pipeline/slam.h"
 #include "tests/slam/feature_world.h"
+#include "tests/slam/recorded_slam.h"
 
 namespace penumbra::slam {
 namespace {
@@ -26,7 +27,6 @@ void add_lorry(const StereoCamera& camera, FrameFeatures& view) {
     view.left.descriptors.push_back(descriptor);
     view.u_right.push_back(static_cast<float>(pixel.z()));
     view.depth.push_back(static_cast<float>(p.z()));
-    view.movable.push_back(0);
     view.colour.push_back({});
   }
   view.grid = FeatureGrid(view.left.keypoints, camera.width, camera.height);
@@ -41,23 +41,21 @@ void keep_first(int count, FrameFeatures& view) {
   cut(view.left.descriptors);
   cut(view.u_right);
   cut(view.depth);
-  cut(view.movable);
   cut(view.colour);
 }
 
-// The last frame shows a lorry that is found to move, but too little of the map: no attempt locates it.
-TEST(TrackerAttempts, ALostFrameKeepsNoMarksOfThem) {
+// The last frame shows a lorry that is found to move, but too little of the map: no hypothesis holds.
+TEST(Tracker, ALostFrameKeepsNothingOfTheHypotheses) {
   const test::FeatureWorld world;
   SlamSettings settings;
   settings.tracker.fewest_map_inliers = 80;
-  Slam slam(world.camera(), Sensor::stereo, settings);
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   std::vector<int> seen;
   constexpr int kLast = 12;
   for (int i = 0; i <= kLast; ++i) {
     const auto view = world.view(world.T_cw(i), static_cast<std::uint64_t>(i), seen);
     if (i == kLast) keep_first(60, *view);
     if (i >= kLast - 1) add_lorry(world.camera(), *view);
-    const std::vector<Keypoint> before = view->left.keypoints;
     const FrameResult result = slam.process(i, 0.1 * i, view);
     if (i < kLast) {
       ASSERT_EQ(result.tracking.state, TrackingState::tracking) << i;
@@ -68,8 +66,13 @@ TEST(TrackerAttempts, ALostFrameKeepsNoMarksOfThem) {
     EXPECT_EQ(result.tracking.frame_matches, 0);
     EXPECT_EQ(result.tracking.frame_inliers, 0);
     EXPECT_EQ(result.tracking.filter.kept + result.tracking.filter.removed, 0);
-    EXPECT_EQ(std::count(view->movable.begin(), view->movable.end(), 1), 0);
-    for (std::size_t k = 0; k < before.size(); ++k) EXPECT_EQ(view->left.keypoints[k].u, before[k].u);
+    const std::vector<FrameView::Feature> features = slam.newest_view().features;
+    ASSERT_EQ(static_cast<int>(features.size()), view->size());
+    for (int k = 0; k < view->size(); ++k) {
+      const FrameView::Feature& feature = features[static_cast<std::size_t>(k)];
+      EXPECT_FALSE(feature.movable || feature.in_map) << k;
+      EXPECT_EQ(feature.u, view->keypoint(k).u) << k;
+    }
   }
   slam.finish();
   EXPECT_TRUE(slam.instances().empty());

@@ -1,0 +1,57 @@
+#include "slam/dynamics/instance_association.h"
+
+#include <algorithm>
+
+namespace penumbra::slam {
+
+namespace {
+
+// How well the track fits; 0: not at all.
+double fit_of(const Instance& instance, const InstanceView& view, const Track& track,
+              const FrameHistory& history, const InstanceTrackerSettings& settings) {
+  const bool same_class =
+      track.instance.class_name == instance.class_name || track.instance.class_name.empty();
+  const double nearest = settings.nearest_metres + 0.05 * view.centre.z();
+  const auto at = std::find_if(track.views.begin(), track.views.end(),
+                               [&](const InstanceView& v) { return v.frame == view.frame; });
+  double fit = 0.0;
+  if (at != track.views.end()) {
+    const double shared = overlap(*at, view);
+    const double apart = (at->centre - view.centre).norm();
+    if (shared >= settings.least_overlap) {
+      fit = 1.0 + shared;
+    } else if (same_class && containment(*at, view) >= settings.least_containment) {
+      fit = 0.5 + shared;
+    } else if (same_class && apart < nearest) {
+      fit = 0.5 / (1.0 + apart);
+    }
+  } else if (same_class && !track.moves()) {
+    // Out of sight, behind something, or not found for a while: where it stood when it was last seen.
+    const FrameRecord* then = history.find(track.views.back().frame);
+    const FrameRecord* now = history.find(view.frame);
+    if (then == nullptr || now == nullptr) return 0.0;
+    const double apart =
+        (now->T_co * (then->T_co.inverse() * track.views.back().centre) - view.centre).norm();
+    if (apart < nearest) fit = 0.5 / (1.0 + apart);
+  }
+  return fit > 0.0 && same_class ? fit + 0.5 : fit;
+}
+
+}  // namespace
+
+int owner_of(const Instance& instance, const InstanceView& view, const std::vector<Track>& tracks,
+             const std::vector<char>& taken, const FrameHistory& history,
+             const InstanceTrackerSettings& settings) {
+  int best = -1;
+  double best_fit = 0.0;
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    if (taken[t] != 0) continue;
+    const double fit = fit_of(instance, view, tracks[t], history, settings);
+    if (fit <= best_fit) continue;
+    best_fit = fit;
+    best = static_cast<int>(t);
+  }
+  return best;
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,23 @@
+// Which of the known objects an instance shows.
+//
+// By overlap of their masks in the instance's frame; else, with the same class, by how much of the smaller
+// one the other contains, or by how close their places in space are. What is out of sight is compared with
+// where it stood when it was last seen.
+#pragma once
+
+#include <vector>
+
+#include "slam/dynamics/frame_history.h"
+#include "slam/dynamics/instance.h"
+#include "slam/dynamics/instance_tracker_settings.h"
+#include "slam/dynamics/track.h"
+
+namespace penumbra::slam {
+
+// The place in `tracks` of the one that `instance`, seen as `view`, shows; -1 for none that is known.
+// `taken`, per track: those that others of the same frame show already.
+int owner_of(const Instance& instance, const InstanceView& view, const std::vector<Track>& tracks,
+             const std::vector<char>& taken, const FrameHistory& history,
+             const InstanceTrackerSettings& settings);
+
+}  // namespace penumbra::slam

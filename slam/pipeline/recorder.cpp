@@ -1,0 +1,65 @@
+#include "slam/pipeline/recorder.h"
+
+#include <algorithm>
+#include <shared_mutex>
+#include <utility>
+
+namespace penumbra::slam {
+
+const FrameResult& Recorder::add(FrameResult result) {
+  keep(std::exchange(result.findings, {}));
+  result.tracking.mover.reset();  // its mask is large, and no report shows it
+  tracked_ += result.tracking.state == TrackingState::tracking;
+  results_.push_back(std::move(result));
+  return results_.back();
+}
+
+void Recorder::finish() { keep(slam_.finish()); }
+
+void Recorder::keep(Findings findings) {
+  for (KeyframeSightings& seen : findings.sightings) sightings_[seen.frame] = std::move(seen.sightings);
+  std::move(findings.gone.begin(), findings.gone.end(), std::back_inserter(gone_));
+}
+
+Trajectory Recorder::trajectory() const {
+  const std::shared_lock lock(slam_.map().mutex());
+  Trajectory trajectory;
+  trajectory.reserve(results_.size());
+  for (const FrameResult& result : results_) {
+    SE3 T_cw = result.place.T_cw();
+    T_cw.normalize();
+    trajectory.push_back({result.timestamp, T_cw.inverse()});
+  }
+  return trajectory;
+}
+
+std::vector<SubmapSummary> Recorder::submaps() const {
+  const std::shared_lock lock(slam_.map().mutex());
+  std::map<int, SubmapSummary> submaps;
+  for (const KeyFrame* keyframe : slam_.map().keyframes()) {
+    SubmapSummary& submap = submaps[keyframe->submap];
+    submap.submap = keyframe->submap;
+    ++submap.keyframes;
+  }
+  for (const FrameResult& result : results_) {
+    const KeyFrame* reference = result.place.reference;
+    if (reference == nullptr || result.tracking.state != TrackingState::tracking) continue;
+    while (reference->erased) reference = reference->stand_in;
+    SubmapSummary& submap = submaps[reference->submap];
+    if (submap.frames++ == 0) submap.first_frame = result.index;
+    submap.last_frame = result.index;
+  }
+  std::vector<SubmapSummary> in_order;
+  for (const auto& [number, submap] : submaps) in_order.push_back(submap);
+  return in_order;
+}
+
+std::vector<TrackedInstance> Recorder::instances() const {
+  std::vector<TrackedInstance> all = slam_.instances();
+  all.insert(all.end(), gone_.begin(), gone_.end());
+  std::sort(all.begin(), all.end(),
+            [](const TrackedInstance& a, const TrackedInstance& b) { return a.id < b.id; });
+  return all;
+}
+
+}  // namespace penumbra::slam

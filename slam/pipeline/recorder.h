@@ -1,0 +1,62 @@
+// Keeps what a run has found, frame by frame, for reports and trajectories: Slam itself keeps nothing that
+// grows with the number of frames.
+//
+//   Slam slam(camera, sensor, settings);
+//   Recorder record(slam);
+//   for each frame:  record.add(slam.process(images));
+//   record.finish();                                     Slam::finish(), and what it still found
+//
+// A frame's place is kept relative to a keyframe, so that corrections of the map since then move it, too.
+// About 300 bytes a frame, and its mismatch histogram. The thread that calls Slam::process() uses it.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "slam/geometry/trajectory.h"
+#include "slam/pipeline/slam.h"
+
+namespace penumbra::slam {
+
+// A piece of the map whose keyframes are tied to each other. One is all there should be; a further one begins
+// where the way was lost and nothing was recognised, and ends to be one when a loop ties it to an older one.
+// A piece that is never tied keeps the pose that was guessed for its beginning.
+struct SubmapSummary {
+  int submap = 0;                       // its number
+  int first_frame = 0, last_frame = 0;  // that were located in it
+  int frames = 0, keyframes = 0;
+};
+
+class Recorder {
+ public:
+  // `slam` must live longer.
+  explicit Recorder(Slam& slam) : slam_(slam) {}
+
+  // Takes what process() has returned, in the order of the frames; returns it as it is kept.
+  const FrameResult& add(FrameResult result);
+  void finish();
+
+  const Slam& slam() const { return slam_; }
+  const std::vector<FrameResult>& results() const { return results_; }
+  int tracked() const { return tracked_; }
+  int lost() const { return static_cast<int>(results_.size()) - tracked_; }
+  // Pose of every frame so far, as the map now sees it; a lost frame has the pose that was predicted for it.
+  Trajectory trajectory() const;
+  // The pieces of the map, in the order of their numbers.
+  std::vector<SubmapSummary> submaps() const;
+  // All objects that were found, by their numbers.
+  std::vector<TrackedInstance> instances() const;
+  // What each keyframe showed of them, by its frame's number; the masks are small.
+  const std::map<int, std::vector<InstanceSighting>>& sightings() const { return sightings_; }
+
+ private:
+  void keep(Findings findings);
+
+  Slam& slam_;
+  std::vector<FrameResult> results_;
+  int tracked_ = 0;
+  std::vector<TrackedInstance> gone_;
+  std::map<int, std::vector<InstanceSighting>> sightings_;
+};
+
+}  // namespace penumbra::slam

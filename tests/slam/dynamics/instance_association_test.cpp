@@ -1,0 +1,73 @@
+#include "slam/dynamics/instance_association.h"
+
+#include <gtest/gtest.h>
+
+namespace penumbra::slam {
+namespace {
+
+InstanceView view_at(int frame, int x, double depth) {
+  InstanceView view;
+  view.frame = frame;
+  view.region = {x, 20, 40, 30};
+  view.mask = ByteImage::filled(40, 30, 255);
+  view.centre = {0.05 * x, 0.0, depth};
+  return view;
+}
+
+Track track_of(const std::string& class_name, const InstanceView& view) {
+  Track track;
+  track.instance.class_name = class_name;
+  track.views.push_back(view);
+  return track;
+}
+
+class InstanceAssociation : public ::testing::Test {
+ protected:
+  InstanceAssociation() {
+    for (int frame = 0; frame < 5; ++frame)
+      history.begin(frame, 0.1 * frame, std::make_shared<FrameFeatures>(), SE3{});
+    car.class_name = "car";
+  }
+  int owner(const InstanceView& view) const {
+    return owner_of(car, view, tracks, std::vector<char>(tracks.size(), 0), history, settings);
+  }
+
+  InstanceTrackerSettings settings;
+  FrameHistory history{60};
+  std::vector<Track> tracks;
+  Instance car;
+};
+
+TEST_F(InstanceAssociation, GoesByOverlapOfTheMasks) {
+  tracks = {track_of("car", view_at(4, 100, 10.0)), track_of("car", view_at(4, 130, 10.0))};
+  EXPECT_EQ(owner(view_at(4, 102, 10.0)), 0);
+  EXPECT_EQ(owner(view_at(4, 127, 10.0)), 1);
+  EXPECT_EQ(owner(view_at(4, 400, 10.0)), -1);
+  EXPECT_EQ(owner_of(car, view_at(4, 102, 10.0), tracks, {1, 0}, history, settings), 1)
+      << "the first is taken";
+}
+
+// Another class needs a clear overlap, and the same class is preferred.
+TEST_F(InstanceAssociation, PrefersTheSameClass) {
+  tracks = {track_of("truck", view_at(4, 100, 10.0)), track_of("car", view_at(4, 110, 10.0))};
+  EXPECT_EQ(owner(view_at(4, 104, 10.0)), 1);
+  tracks.pop_back();
+  EXPECT_EQ(owner(view_at(4, 104, 10.0)), 0);
+  EXPECT_EQ(owner(view_at(4, 135, 10.0)), -1) << "near, but no car";
+}
+
+TEST_F(InstanceAssociation, KnowsWhatIsOutOfSightByItsPlaceUnlessItMoves) {
+  tracks = {track_of("car", view_at(2, 100, 10.0))};
+  EXPECT_EQ(owner(view_at(4, 110, 10.2)), 0);
+  EXPECT_EQ(owner(view_at(4, 110, 20.0)), -1) << "ten metres farther";
+  tracks[0].instance.log_odds = 2.0;
+  EXPECT_EQ(owner(view_at(4, 110, 10.2)), -1) << "it may be anywhere by now";
+  tracks[0].instance.log_odds = 0.0;
+  tracks[0].views.back().frame = -3;
+  EXPECT_EQ(owner(view_at(4, 110, 10.2)), -1) << "its frame is forgotten";
+}
+
+TEST_F(InstanceAssociation, OfNothingIsNothing) { EXPECT_EQ(owner(view_at(4, 100, 10.0)), -1); }
+
+}  // namespace
+}  // namespace penumbra::slam
