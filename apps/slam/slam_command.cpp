@@ -1,5 +1,7 @@
 // penumbra slam: from a stereo sequence to a trajectory and a map.
 
+#include <fmt/core.h>
+
 #include <memory>
 
 #include "apps/common/commands.h"
@@ -8,6 +10,7 @@
 #include "apps/common/finite_number.h"
 #include "apps/network/load_network.h"
 #include "apps/slam/slam_run.h"
+#include "slam/pipeline/settings_file.h"
 
 namespace penumbra::apps {
 
@@ -25,6 +28,8 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
   penumbra slam wednesday --load-map yard.map --localise --out out/wednesday           only find the way in it
   penumbra slam nightly --out out/nightly --require-tracked 0.95                        exit code 1 where it lost its way
+  penumbra slam --print-settings > mine.json                  every setting there is, to be changed and given with --settings
+  penumbra slam kitti --sequence 00 --settings mine.json --out out/00
   penumbra slam kitti --sequence 00 --out out/00 --view       watch it: a page on http://127.0.0.1:8080/, for this machine alone
 
 Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
@@ -140,6 +145,11 @@ void add_slam_command(CLI::App& app) {
                    "share of the frames, from 0 to 1; where fewer are located the exit code is 1")
       ->check(number_from(0.0, 1.0, "a share from 0 to 1"))
       ->type_name("SHARE");
+  command
+      ->add_option("--settings", options->settings,
+                   "file with settings of the pipeline (docs/slam/settings.md); options given beside it win")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");
@@ -147,7 +157,23 @@ void add_slam_command(CLI::App& app) {
                     "show the run in a browser on this machine while it goes on, --view=PORT on a port of "
                     "its own (default: "
                     "the first free one from 8080)");
-  command->callback([options] { run_slam(*options); });
+  const auto note_given = [options, command] {
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->count() > 0) options->given.insert(option->get_name());
+    }
+  };
+  command->add_flag_callback(
+      "--print-settings",
+      [options, note_given] {
+        note_given();
+        fmt::print("{}", slam::settings_text(make_settings(*options)));
+        throw CLI::Success();
+      },
+      "print every setting, with those of --settings and of the other options, as such a file");
+  command->callback([options, note_given] {
+    note_given();
+    run_slam(*options);
+  });
 }
 
 }  // namespace penumbra::apps

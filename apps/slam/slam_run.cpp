@@ -19,6 +19,8 @@
 #include "slam/map/map_file.h"
 #include "slam/pipeline/recorder.h"
 #include "slam/pipeline/run_check.h"
+#include "slam/pipeline/setting_fields.h"
+#include "slam/pipeline/settings_file.h"
 #include "slam/pipeline/slam.h"
 #include "slam/sources/open_dataset.h"
 #include "slam/sources/prefetcher.h"
@@ -57,26 +59,6 @@ std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
 slam::DatasetCameras parse_cameras(const std::string& images) {
   if (images == "grey") return slam::DatasetCameras::grey;
   return images == "colour" ? slam::DatasetCameras::colour : slam::DatasetCameras::automatic;
-}
-
-slam::SlamSettings make_settings(const SlamOptions& options) {
-  slam::SlamSettings settings;
-  settings.orb.features = options.features;
-  settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
-  settings.loops.enabled = options.loops != "off";
-  settings.loops.corrects = options.loops == "on";
-  settings.loops.verifier.constellation.enabled = options.constellation == "on";
-  if (options.self_calibration == "off") settings.full_bundle.disparity_offset_sigma = 0.0;
-  settings.tracker.least_sharpness = options.least_sharpness;
-  parse_segmentation(options.segmentation, settings.semantics);
-  settings.semantics.instances.check_motion = options.moving == "geometry";
-  settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
-      options.movers == "on";
-  settings.localise = options.localise;
-  settings.threads = options.threads;
-  settings.semantics.threads = options.segmentation_threads;
-  settings.deterministic = options.deterministic;
-  return settings;
 }
 
 // The port of --view; none: the first that is free.
@@ -230,6 +212,37 @@ void judge(const SlamOptions& options, const slam::Recorder& record, const SlamR
 
 }  // namespace
 
+slam::SlamSettings make_settings(const SlamOptions& options) {
+  slam::SlamSettings settings;
+  settings.deterministic = false;
+  settings.threads = options.threads;
+  if (!options.settings.empty()) slam::read_settings(options.settings, settings);
+  // Defaults of the command line do not undo what the file says.
+  const auto says = [&](const char* name) {
+    return options.settings.empty() || options.given.contains(name);
+  };
+  if (says("--features")) settings.orb.features = options.features;
+  if (says("--filter")) settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
+  if (says("--loops")) {
+    settings.loops.enabled = options.loops != "off";
+    settings.loops.corrects = options.loops == "on";
+  }
+  if (says("--constellation")) settings.loops.verifier.constellation.enabled = options.constellation == "on";
+  if (options.self_calibration == "off") settings.full_bundle.disparity_offset_sigma = 0.0;
+  if (says("--least-sharpness")) settings.tracker.least_sharpness = options.least_sharpness;
+  if (says("--segmentation")) parse_segmentation(options.segmentation, settings.semantics);
+  if (says("--moving")) settings.semantics.instances.check_motion = options.moving == "geometry";
+  if (says("--movers")) {
+    settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
+        options.movers == "on";
+  }
+  if (says("--localise")) settings.localise = options.localise;
+  if (says("--threads")) settings.threads = options.threads;
+  if (says("--segmentation-threads")) settings.semantics.threads = options.segmentation_threads;
+  if (says("--deterministic")) settings.deterministic = options.deterministic;
+  return settings;
+}
+
 void run_slam(const SlamOptions& options) {
   const std::optional<int> port = view_port(options.view);
   const slam::SlamSettings settings = make_settings(options);
@@ -247,7 +260,9 @@ void run_slam(const SlamOptions& options) {
   slam::Segmenter segmenter;
   if (loaded) segmenter = make_segmenter(*loaded);
   if (!options.masks.empty() && options.segmentation != "off") segmenter = make_mask_reader(options.masks);
-  run.segmentation = segmenter ? options.segmentation : "off";
+  const bool by_file = !options.settings.empty() && !options.given.contains("--segmentation");
+  const std::string segmentation = by_file ? slam::word_of(settings.semantics.mode) : options.segmentation;
+  run.segmentation = segmenter ? segmentation : "off";
   std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
   const ResultPlaces places{options.out, options.save_map};
   prepare_places(places);

@@ -5,9 +5,11 @@
 #include <omp.h>
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "apps/common/dataset_arguments.h"
+#include "slam/pipeline/slam.h"
 
 namespace penumbra::apps {
 
@@ -16,6 +18,8 @@ inline constexpr const char* kAnyViewPort = "auto";
 
 struct SlamOptions {
   DatasetArguments dataset;
+  std::string settings;         // file of settings; empty: none
+  std::set<std::string> given;  // options that the command line has, such as "--filter"
   std::string out, sequence, weights, key, classes, masks, save_map, load_map;
   std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on",
               self_calibration = "on";
@@ -29,6 +33,10 @@ struct SlamOptions {
   bool strict = false;           // an image that cannot be read ends the run
   double require_tracked = 0.0;  // share of the frames, below which the run has failed
 };
+
+// The settings of the file, if one is given, and those of the command line above them. Throws InputError for
+// a file that read_settings refuses.
+slam::SlamSettings make_settings(const SlamOptions& options);
 
 // Throws UsageError for options that do not fit together; InputError and Error for what cannot be read or
 // written, where the run was stopped, and where too few frames were located. All results that there are are

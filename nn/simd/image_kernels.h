@@ -48,6 +48,14 @@ struct FlowWindow {
   std::int64_t xx, xy, yy;
 };
 
+// What disc_moments weighs pixels by, those of a disc of radius kDiscRadius: 1 and the column from the
+// centre, 0 outside of the disc.
+constexpr int kDiscRadius = 15, kDiscRows = 2 * kDiscRadius + 1, kDiscStride = 32;
+struct DiscWeights {
+  std::int8_t one[kDiscRows][kDiscStride] = {};
+  std::int8_t column[kDiscRows][kDiscStride] = {};
+};
+
 struct ImageKernels {
   // scores[i] of `count` pixels: how much brighter, or darker, than the centre all of the best 9 neighbours
   // in a row on the circle of 16 are, less 1; 0 where that is below `threshold`. See nn/image/fast_corners.h.
@@ -84,6 +92,10 @@ struct ImageKernels {
   // out[x] = (the same of columns[2 x - 2 .. 2 x + 2] + 128) / 256.
   void (*halve_rows)(const std::uint8_t* const* rows, int width, std::uint16_t* out);
   void (*halve_columns)(const std::uint16_t* columns, int width, std::uint8_t* out);
+  // m10 = sum x I(x, y), m01 = sum y I(x, y) over the disc around `centre`; reads 15 pixels to all sides, and
+  // 16 to the right.
+  void (*disc_moments)(const std::uint8_t* centre, std::ptrdiff_t pitch, const DiscWeights& weights, int* m10,
+                       int* m01);
 };
 
 }  // namespace penumbra::nn

@@ -86,10 +86,11 @@ cp kitti/poses/00.txt out/block/poses/
 cp -r out/block out/shifted
 small="$source/weights_tools/models/penumbra-tiny.safetensors"
 for name in maskrcnn.safetensors maskrcnn_resnet50_fpn_coco.pth maskrcnn_resnet50_fpn.pth maskrcnn_r50fpn.pth maskrcnn.pth w.safetensors yolov5s.pt \
-    mam.safetensors fpn.safetensors yolov5n-seg.pth yolov5n-seg.safetensors out/baseline/weights.safetensors out/mine/weights.safetensors; do
+    mam.safetensors fpn.safetensors yolov5n-seg.pt yolov5n-seg.pth yolov5n-seg.safetensors out/baseline/weights.safetensors out/mine/weights.safetensors; do
   cp "$small" $name
 done
 cp resnet18.safetensors resnet50.pth
+printf '{ "tracker": { "search_radius": 12, "mismatch_filter": { "mode": "compensated" } } }' > mine.json
 "$penumbra" segment --coco-images val2017 --annotations instances_val2017.json --weights w.safetensors --out found >/dev/null 2>&1
 cp found/results.json boxes.json
 cp -r out out.fresh  # every document begins with this one

@@ -30,5 +30,7 @@ void flow_mismatch(const std::uint8_t* corner, std::ptrdiff_t pitch, const int* 
                    const FlowWindow& window, std::int64_t* sums);
 void halve_rows(const std::uint8_t* const* rows, int width, std::uint16_t* out);
 void halve_columns(const std::uint16_t* columns, int width, std::uint8_t* out);
+void disc_moments(const std::uint8_t* centre, std::ptrdiff_t pitch, const DiscWeights& weights, int* m10,
+                  int* m01);
 
 }  // namespace penumbra::nn::PENUMBRA_ISA

@@ -11,6 +11,6 @@ const KernelTable kKernels = {
     roi_align,
     peak_loop,
     {fast_scores, peaks, blur_rows, blur_columns, resize_row, resize_mix, remap_row, slope_energy, grey_row,
-     flow_window, flow_mismatch, halve_rows, halve_columns}};
+     flow_window, flow_mismatch, halve_rows, halve_columns, disc_moments}};
 
 }  // namespace penumbra::nn::PENUMBRA_ISA

@@ -1,9 +1,9 @@
 #include "slam/frontend/features/orb_extractor.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "nn/simd/kernel_table.h"
 #include "slam/frontend/features/orb_pattern.h"
 #include "slam/frontend/features/quadtree.h"
 
@@ -13,35 +13,27 @@ namespace {
 
 constexpr int kBorder = kPatchRadius + 1;  // no corner is closer to the level's border than this
 
-// Half width of the disc of radius kPatchRadius in row y.
-const std::array<int, kPatchRadius + 1>& disc_rows() {
-  static const std::array<int, kPatchRadius + 1> rows = [] {
-    std::array<int, kPatchRadius + 1> r{};
-    for (int y = 0; y <= kPatchRadius; ++y) {
-      r[static_cast<std::size_t>(y)] =
-          static_cast<int>(std::sqrt(static_cast<double>(kPatchRadius * kPatchRadius - y * y)));
+static_assert(kPatchRadius == nn::kDiscRadius);
+
+const nn::DiscWeights& disc_weights() {
+  static const nn::DiscWeights weights = [] {
+    nn::DiscWeights w;
+    for (int y = -kPatchRadius; y <= kPatchRadius; ++y) {
+      const int half = static_cast<int>(std::sqrt(static_cast<double>(kPatchRadius * kPatchRadius - y * y)));
+      for (int x = -half; x <= half; ++x) {
+        w.one[y + kPatchRadius][x + kPatchRadius] = 1;
+        w.column[y + kPatchRadius][x + kPatchRadius] = static_cast<std::int8_t>(x);
+      }
     }
-    return r;
+    return w;
   }();
-  return rows;
+  return weights;
 }
 
-// Direction from the disc's centre to its centre of intensity.
+// Direction from the disc's centre to its centre of intensity. kBorder leaves the pixel more to the right.
 float orientation(const ByteView& image, int x, int y) {
-  int m01 = 0, m10 = 0;
-  const std::uint8_t* centre = image.row(y) + x;
-  for (int i = -kPatchRadius; i <= kPatchRadius; ++i) m10 += i * centre[i];
-  for (int row = 1; row <= kPatchRadius; ++row) {
-    const int half = disc_rows()[static_cast<std::size_t>(row)];
-    const std::uint8_t* below = centre + row * image.pitch;
-    const std::uint8_t* above = centre - row * image.pitch;
-    int difference = 0;
-    for (int i = -half; i <= half; ++i) {
-      difference += below[i] - above[i];
-      m10 += i * (below[i] + above[i]);
-    }
-    m01 += row * difference;
-  }
+  int m10 = 0, m01 = 0;
+  nn::kernels().image.disc_moments(image.row(y) + x, image.pitch, disc_weights(), &m10, &m01);
   return std::atan2(static_cast<float>(m01), static_cast<float>(m10));
 }
 

