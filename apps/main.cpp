@@ -25,7 +25,7 @@ constexpr int kExitUsage = 2;
 // pipe early
 // (`| head`) has seen what he wanted.
 bool standard_output_is_whole() {
-  if (std::fflush(stdout) == 0 || errno == EPIPE) return true;
+  if ((std::fflush(stdout) == 0 && std::ferror(stdout) == 0) || errno == EPIPE) return true;
   penumbra::apps::log_error("standard output: cannot be written: {}", std::strerror(errno));
   return false;
 }

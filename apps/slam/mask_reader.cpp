@@ -71,7 +71,7 @@ slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
   return [folder, names](int frame, const ByteImage& image) -> std::vector<slam::Instance> {
     const std::filesystem::path path = folder / fmt::format("{:06d}.png", frame);
     if (!std::filesystem::exists(path)) return {};
-    const WordImage numbers = nn::read_depth_image(path);  // 16-bit grey, as depth is
+    const WordImage numbers = nn::read_depth_image(path, "a 16-bit grey PNG of instance numbers");
     if (numbers.size() != image.size()) {
       throw InputError(path.string(), fmt::format("{}x{} pixels", image.width(), image.height()),
                        fmt::format("{}x{}", numbers.width(), numbers.height()));

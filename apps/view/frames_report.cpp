@@ -2,12 +2,11 @@
 
 #include <cmath>
 
+#include "apps/common/rounded.h"
+
 namespace penumbra::apps {
 
 namespace {
-
-// Digits beyond a micrometre, a microsecond or a thousandth of a pixel say nothing.
-double rounded(double value) { return std::round(value * 1e6) / 1e6; }
 
 nlohmann::json histogram(const slam::MismatchFilterReport& report) {
   if (report.bins.empty()) return nullptr;
@@ -17,8 +16,8 @@ nlohmann::json histogram(const slam::MismatchFilterReport& report) {
     removed.push_back(bin.removed);
   }
   const auto& first = report.bins.front();
-  return {{"from", rounded(first.from)},
-          {"width", rounded(first.to - first.from)},
+  return {{"from", to_a_millionth(first.from)},
+          {"width", to_a_millionth(first.to - first.from)},
           {"kept", kept},
           {"removed", removed}};
 }
@@ -49,11 +48,11 @@ nlohmann::json frames_report(const slam::Recorder& record) {
     json["index"].push_back(r.index);
     json["timestamp"].push_back(r.timestamp);
     json["state"].push_back(name_of(r.tracking.state));
-    json["ms"].push_back(rounded(r.milliseconds));
+    json["ms"].push_back(to_a_millionth(r.milliseconds));
     json["features"].push_back(r.features);
     json["stereo_features"].push_back(r.stereo_features);
     json["movable_features"].push_back(r.movable_features);
-    json["covered_share"].push_back(rounded(r.covered_share));
+    json["covered_share"].push_back(to_a_millionth(r.covered_share));
     json["matches"].push_back(r.tracking.frame_matches);
     json["inliers"].push_back(r.tracking.map_inliers);
     json["keyframe"].push_back(r.keyframe);

@@ -69,7 +69,7 @@ std::optional<HttpRequest> parse_request(std::string_view head) {
   if (first == std::string_view::npos || first == 0 || last == first) return std::nullopt;
   if (!line->substr(last + 1).starts_with("HTTP/1.")) return std::nullopt;
   const std::string_view target = line->substr(first + 1, last - first - 1);
-  if (!target.starts_with('/') || target.find(' ') != std::string_view::npos) return std::nullopt;
+  if (target.find(' ') != std::string_view::npos) return std::nullopt;
 
   HttpRequest request;
   request.method = line->substr(0, first);

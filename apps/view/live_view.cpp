@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/common/rounded.h"
 #include "apps/view/frame_picture.h"
 #include "apps/view/frames_report.h"
 #include "apps/view/report_page.h"
@@ -32,8 +33,6 @@ long since_of(const Query& query) {
     std::from_chars(text->second.data(), text->second.data() + text->second.size(), since);
   return since;
 }
-
-double rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
 }  // namespace
 
@@ -126,9 +125,9 @@ Answer LiveView::state(const Query& query) {
   for (const Row& row : changed) {
     rows["index"].push_back(row.frame);
     rows["state"].push_back(name_of(row.state));
-    rows["ms"].push_back(rounded(row.milliseconds));
-    rows["position"].push_back(
-        {rounded(row.position.x()), rounded(row.position.y()), rounded(row.position.z())});
+    rows["ms"].push_back(to_a_thousandth(row.milliseconds));
+    rows["position"].push_back({to_a_thousandth(row.position.x()), to_a_thousandth(row.position.y()),
+                                to_a_thousandth(row.position.z())});
   }
   return json_answer(json);
 }

@@ -7,15 +7,13 @@
 #include <shared_mutex>
 
 #include "apps/common/command_line.h"
+#include "apps/common/rounded.h"
 #include "nn/base/quantile.h"
 #include "slam/map/point_uncertainty.h"
 
 namespace penumbra::apps {
 
 namespace {
-
-// To a thousandth: times need no more digits than a clock has.
-double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 
 nlohmann::json settings_json(const SlamRun& run, const slam::SlamSettings& s) {
   return {{"features", s.orb.features},
@@ -62,18 +60,19 @@ const char* name_of(slam::MotionState state) {
 nlohmann::json instances_json(const slam::Recorder& record) {
   nlohmann::json list = nlohmann::json::array();
   for (const slam::TrackedInstance& instance : record.instances()) {
-    list.push_back(
-        {{"id", instance.id},
-         {"class", instance.class_name},
-         {"score", rounded(instance.score)},
-         {"detections", instance.detections},
-         {"first_frame", instance.first_frame},
-         {"last_frame", instance.last_frame},
-         {"state", name_of(instance.state())},
-         {"moving_probability", rounded(instance.moving_probability())},
-         {"speed_mps", rounded(instance.velocity.norm())},
-         {"size_m", {rounded(instance.size.x()), rounded(instance.size.y()), rounded(instance.size.z())}},
-         {"visible_share", rounded(instance.visible_share)}});
+    list.push_back({{"id", instance.id},
+                    {"class", instance.class_name},
+                    {"score", to_a_thousandth(instance.score)},
+                    {"detections", instance.detections},
+                    {"first_frame", instance.first_frame},
+                    {"last_frame", instance.last_frame},
+                    {"state", name_of(instance.state())},
+                    {"moving_probability", to_a_thousandth(instance.moving_probability())},
+                    {"speed_mps", to_a_thousandth(instance.velocity.norm())},
+                    {"size_m",
+                     {to_a_thousandth(instance.size.x()), to_a_thousandth(instance.size.y()),
+                      to_a_thousandth(instance.size.z())}},
+                    {"visible_share", to_a_thousandth(instance.visible_share)}});
   }
   return list;
 }
@@ -85,7 +84,7 @@ nlohmann::json loop_closures_json(const std::vector<slam::ClosedLoop>& loops) {
                     {"earlier_frame", loop.earlier_frame},
                     {"points", loop.inliers},
                     {"objects", loop.objects},
-                    {"correction_m", rounded(loop.correction_metres)},
+                    {"correction_m", to_a_thousandth(loop.correction_metres)},
                     {"merged_submaps", loop.merged_submaps},
                     {"of_loaded_map", loop.of_loaded_map}});
   }
@@ -202,26 +201,26 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   json["lost"] = record.lost();
   json["lost_frames"] = lost_frames;
   json["unreadable_frames"] = run.unreadable_frames;
-  json["path_m"] = rounded(way.metres);
-  json["mean_speed_mps"] = rounded(way.seconds > 0.0 ? way.metres / way.seconds : 0.0);
-  json["median_depth_m"] = rounded(run.median_depth);
+  json["path_m"] = to_a_thousandth(way.metres);
+  json["mean_speed_mps"] = to_a_thousandth(way.seconds > 0.0 ? way.metres / way.seconds : 0.0);
+  json["median_depth_m"] = to_a_thousandth(run.median_depth);
   json["keyframes"] = map.keyframe_frames.size();
   json["loaded_keyframes"] = map.keyframes - map.keyframe_frames.size();
   json["map_points"] = map.points;
   json["uncertain_points"] = map.uncertain_points;
-  json["disparity_offset_px"] = rounded(map.disparity_offset);
+  json["disparity_offset_px"] = to_a_thousandth(map.disparity_offset);
   json["movable_features"] = movable_features;
   json["occluded_frames"] = occluded_frames;
   json["instances"] = instances_json(record);
   if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
   const double frames = static_cast<double>(std::max<std::size_t>(record.results().size(), 1));
-  json["cpu_ms_per_frame"] = rounded(1000.0 * run.cpu_seconds / frames);
-  json["peak_rss_mb"] = rounded(run.peak_rss_mb);
+  json["cpu_ms_per_frame"] = to_a_thousandth(1000.0 * run.cpu_seconds / frames);
+  json["peak_rss_mb"] = to_a_thousandth(run.peak_rss_mb);
   for (const auto& [stage, times] : record.slam().timer().stages()) {
-    const double median = rounded(quantile_of(times.values(), 0.5));
+    const double median = to_a_thousandth(quantile_of(times.values(), 0.5));
     if (stage == "frame") {
       json["median_ms"] = median;
-      json["p95_ms"] = rounded(quantile_of(times.values(), 0.95));
+      json["p95_ms"] = to_a_thousandth(quantile_of(times.values(), 0.95));
     } else {
       json["stages"][stage] = median;
     }
@@ -241,7 +240,8 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
 std::string to_text(const nlohmann::json& report) {
   std::string text;
   for (const auto& [key, value] : report.items()) {
-    std::string entry = value.is_object() ? value.dump(2) : value.dump();
+    std::string entry =
+        value.dump(value.is_object() ? 2 : -1, ' ', false, nlohmann::json::error_handler_t::replace);
     for (std::size_t at = entry.find('\n'); at != std::string::npos; at = entry.find('\n', at + 1)) {
       entry.insert(at + 1, "  ");
     }

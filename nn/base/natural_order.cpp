@@ -7,8 +7,6 @@ namespace penumbra {
 
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 // Takes the digits at the start of `text` away and returns them without leading zeros.
 std::string_view take_number(std::string_view& text) {
   const auto end =

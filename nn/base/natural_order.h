@@ -5,6 +5,9 @@
 
 namespace penumbra {
 
+// Of ASCII, whatever the locale says.
+inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 // Whether `a` comes before `b`: runs of digits compare as numbers, however long they are, everything else
 // byte by byte. Texts that are equal so far ("7" and "007") compare as text: no two texts are equal but the
 // same.

@@ -78,13 +78,6 @@ StoredImage decode_image(const std::filesystem::path& path, ImageColour colour, 
   return image;
 }
 
-std::string ending_of(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
-
 // PGM or PPM, whose colours are red, green, blue.
 std::string encode_netpbm(const ByteView& image) {
   std::string bytes =
@@ -98,6 +91,13 @@ std::string encode_netpbm(const ByteView& image) {
 }
 
 }  // namespace
+
+std::string image_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
 
 ByteImage read_image(const std::filesystem::path& path, ImageColour colour, ImageOrientation orientation) {
   const StoredImage image = decode_image(path, colour, /*eight_bits=*/true, kReadImages);
@@ -117,11 +117,10 @@ ImageInfo read_image_info(const std::filesystem::path& path) {
   return read_plain_rows(bytes, path, kReadImages).info;
 }
 
-WordImage read_depth_image(const std::filesystem::path& path) {
-  constexpr std::string_view kExpected = "a 16-bit grey PNG (or PGM) with depth";
-  const StoredImage image = decode_image(path, ImageColour::stored, /*eight_bits=*/false, kExpected);
+WordImage read_depth_image(const std::filesystem::path& path, std::string_view expected) {
+  const StoredImage image = decode_image(path, ImageColour::stored, /*eight_bits=*/false, expected);
   if (!image.is_wide() || image.channels() != 1) {
-    throw InputError(path.string(), kExpected,
+    throw InputError(path.string(), expected,
                      fmt::format("{} channels of {} bits", image.channels(), image.is_wide() ? 16 : 8));
   }
   return image.words;
@@ -129,7 +128,7 @@ WordImage read_depth_image(const std::filesystem::path& path) {
 
 void write_image(const std::filesystem::path& path, const ByteView& image) {
   if (image.empty()) throw Error(fmt::format("{}: cannot encode the image: it is empty", path.string()));
-  const std::string ending = ending_of(path);
+  const std::string ending = image_ending(path);
   std::string bytes;
   if (ending == ".png") {
     bytes = encode_png(image);
@@ -146,7 +145,7 @@ void write_image(const std::filesystem::path& path, const ByteView& image) {
 }
 
 void write_image(const std::filesystem::path& path, const ImageView<const std::uint16_t>& image) {
-  if (ending_of(path) != ".png")
+  if (image_ending(path) != ".png")
     throw Error(fmt::format("{}: cannot encode 16-bit pixels but in a .png", path.string()));
   write_file(path, encode_png(image), /*durable=*/false);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "nn/image/image.h"
@@ -30,8 +31,12 @@ StoredImage read_stored_image(const std::filesystem::path& path, ImageColour col
 ImageInfo read_image_info(const std::filesystem::path& path);
 
 // Reads a 16-bit grey PNG or PGM, such as a depth map, as it is. Throws InputError as above, and for any
-// other image.
-WordImage read_depth_image(const std::filesystem::path& path);
+// other image; `expected` says what it should have been.
+WordImage read_depth_image(const std::filesystem::path& path,
+                           std::string_view expected = "a 16-bit grey PNG (or PGM) with depth");
+
+// The name's ending in small letters, with its dot.
+std::string image_ending(const std::filesystem::path& path);
 
 // Writes `image` (grey or BGR) in the format of the name's ending: .png, .jpg, .jpeg, .pgm or .ppm. Throws
 // Error for another ending, and where the file cannot be written.

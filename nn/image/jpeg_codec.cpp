@@ -29,10 +29,17 @@ void fail(j_common_ptr codec) {
 }
 void ignore(j_common_ptr /*codec*/) {}
 
+// Keeps the first warning's words; `level` -1 is a warning, others are traces.
+void note(j_common_ptr codec, int level) {
+  auto* errors = reinterpret_cast<JpegErrors*>(codec->err);
+  if (level < 0 && errors->manager.num_warnings++ == 0) codec->err->format_message(codec, errors->words);
+}
+
 void set_errors(JpegErrors& errors) {
   jpeg_std_error(&errors.manager);
   errors.manager.error_exit = fail;
   errors.manager.output_message = ignore;
+  errors.manager.emit_message = note;
   errors.words[0] = '\0';
 }
 
@@ -126,6 +133,9 @@ ByteImage decode_jpeg(std::string_view bytes, bool grey, std::string_view place)
   if (!done) {
     throw InputError(place, "a JPEG whose rows can be read",
                      fmt::format("a file that the decoder refuses: {}", job.errors.words));
+  }
+  if (job.errors.manager.num_warnings > 0) {
+    fmt::print(stderr, "warning: {}: parts of the picture may be wrong: {}\n", place, job.errors.words);
   }
   if (image.channels() == 4) image = inks_to_bgr(image);
   return with_channels(image, grey ? 1 : 3);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 #include "nn/layers/activations.h"
 
@@ -39,7 +40,7 @@ Asff::Asff(std::span<const Tensor> weights, std::vector<float> bias)
     channels_ = static_cast<int>(weight.extent(1));
     const std::size_t start = weights_.size();
     weights_.insert(weights_.end(), weight.values.begin(), weight.values.end());
-    weights_.resize(start + static_cast<std::size_t>((channels_ + kBlock - 1) / kBlock) * kBlock, 0.0F);
+    weights_.resize(start + static_cast<std::size_t>(ceil_div(channels_, kBlock)) * kBlock, 0.0F);
   }
 }
 

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 
+#include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 #include "nn/layers/direct_convolution.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
-
-namespace {
-
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
-
-}  // namespace
 
 Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptions options, int input_block)
     : options_(options), input_block_(input_block) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 
 namespace penumbra::nn {
@@ -46,7 +47,7 @@ ConvTranspose2d::ConvTranspose2d(const Tensor& weight, const std::vector<float>&
                      fmt::format("{}, {}, {}, {}", options.stride, options.dilation, options.padding,
                                  options.output_padding));
   }
-  const int blocks = (input_channels_ + kBlock - 1) / kBlock;
+  const int blocks = ceil_div(input_channels_, kBlock);
   for (int row = 0; row < options.stride; ++row) {
     for (int column = 0; column < options.stride; ++column) {
       Phase phase{row, column, {}, {}};
@@ -116,8 +117,8 @@ void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, con
                                 std::ptrdiff_t* taps, FeatureMap& output) const {
   const int bytes = element_size(options_.format.precision);
   const int stride = options_.stride;
-  const int rows = (output.height() - phase.row + stride - 1) / stride;
-  const int columns = (output.width() - phase.column + stride - 1) / stride;
+  const int rows = ceil_div(output.height() - phase.row, stride);
+  const int columns = ceil_div(output.width() - phase.column, stride);
   std::ptrdiff_t* next = taps;
   for (int b = 0; b < input.blocks(); ++b) {
     for (const Offset& offset : phase.offsets) {
@@ -125,7 +126,7 @@ void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, con
                 static_cast<std::ptrdiff_t>(offset.x) * input.block();
     }
   }
-  const int step = phase.weights.tile_pixels(), segments = (columns + step - 1) / step;
+  const int step = phase.weights.tile_pixels(), segments = ceil_div(columns, step);
 #pragma omp parallel for collapse(3) schedule(dynamic)
   for (int n = 0; n < input.images(); ++n) {
     for (int t = 0; t < phase.weights.tiles(); ++t) {

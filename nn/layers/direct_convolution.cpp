@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "nn/base/ceil_div.h"
+
 namespace penumbra::nn {
 
 namespace {
@@ -18,8 +20,6 @@ constexpr int kTasksPerThread = 12;
 constexpr int kTapsPerPanel = 64;
 constexpr int kTilesOfImages = 8;
 constexpr int kTilesPerTask = 4;
-
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
 float lower_bound(Activation activation) {
   return activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();

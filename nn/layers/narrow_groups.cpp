@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "nn/base/ceil_div.h"
+
 namespace penumbra::nn {
 
 NarrowGroups::NarrowGroups(const Tensor& weight, const std::vector<float>& bias, int groups)
@@ -9,7 +11,7 @@ NarrowGroups::NarrowGroups(const Tensor& weight, const std::vector<float>& bias,
       group_outputs_(static_cast<int>(weight.extent(0)) / groups),
       kernel_height_(static_cast<int>(weight.extent(2))),
       kernel_width_(static_cast<int>(weight.extent(3))) {
-  const int outputs = static_cast<int>(weight.extent(0)), blocks = (outputs + kBlock - 1) / kBlock;
+  const int outputs = static_cast<int>(weight.extent(0)), blocks = ceil_div(outputs, kBlock);
   for (int b = 0; b < blocks; ++b) {
     for (int k = 0; k < group_inputs_; ++k) {
       for (int u = 0; u < kernel_height_; ++u) {

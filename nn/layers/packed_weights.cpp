@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "nn/base/ceil_div.h"
+
 namespace penumbra::nn {
 
 namespace {
@@ -36,9 +38,9 @@ PackedWeights::PackedWeights(int outputs, int taps, int depth,
       outputs_(outputs),
       taps_(taps),
       depth_(depth) {
-  const int padded = (outputs + kBlock - 1) / kBlock * kBlock;
+  const int padded = ceil_div(outputs, kBlock) * kBlock;
   const int width = kernels_->channels, group = channel_group(format.precision);
-  tiles_ = (padded + width - 1) / width;
+  tiles_ = ceil_div(padded, width);
   const std::size_t row = static_cast<std::size_t>(taps) * depth;  // weights of one output channel
   const std::size_t bytes = static_cast<std::size_t>(padded) * row * element_size(format.precision);
   weights_.reset(static_cast<std::byte*>(std::aligned_alloc(64, (bytes + 63) / 64 * 64 + 64)));

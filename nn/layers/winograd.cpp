@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "nn/base/ceil_div.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
@@ -49,8 +50,6 @@ constexpr std::size_t kSharedBlockFloats = 3 * 1024 * 1024;
 // With more channels than this the weights of all positions pass L2; blocks are shared then, so that each
 // weight serves more tiles.
 constexpr int kMostOwnChannels = 128;
-
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
 }  // namespace
 

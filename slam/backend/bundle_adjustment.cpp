@@ -56,9 +56,7 @@ BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& setting
 bool within_gate(const BundleProblem& problem, const BundleObservation& o) {
   const Eigen::Vector3d p =
       problem.poses[static_cast<std::size_t>(o.pose)] * problem.points[static_cast<std::size_t>(o.point)];
-  if (p.z() <= 0.0) return false;
-  const Eigen::Vector3d e = reprojection_error(problem.camera, p, o.measurement);
-  return e.squaredNorm() * o.measurement.inverse_variance <= o.measurement.gate();
+  return within_gate(problem.camera, p, o.measurement);
 }
 
 BundleStep bundle_step(const BundleProblem& problem, bool robust, double lambda) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slam/frontend/features/measurement.h"
+#include "slam/frontend/features/nearest_descriptor.h"
 #include "slam/geometry/triangulation.h"
 
 namespace penumbra::slam {
@@ -13,7 +14,6 @@ namespace {
 
 constexpr int kMaxHamming = 50;
 constexpr float kRatio = 0.8F;
-constexpr double kChiSquareLine = 3.84;       // one degree of freedom
 constexpr double kCosLeastParallax = 0.9998;  // 1.15 degrees
 constexpr double kLongestSearch = 120.0;      // pixels along the epipolar line
 
@@ -56,26 +56,17 @@ class PairSearch {
     const double margin = 3.0 * scales_[static_cast<std::size_t>(level)];
     const Eigen::Vector2d centre = 0.5 * (from + to);
     const float radius = static_cast<float>(0.5 * (to - from).lpNorm<Eigen::Infinity>() + margin);
-    int best = -1, best_distance = kMaxHamming + 1, second_distance = kDescriptorBits;
+    NearestDescriptor nearest = NearestDescriptor::within(kMaxHamming + 1);
     second_.features->grid.visit_near(
         static_cast<float>(centre.x()), static_cast<float>(centre.y()), radius, [&](int j) {
           const int other_level = second_.features->keypoint(j).level;
           if (std::abs(other_level - level) > 1 || !is_free(second_, j)) return;
           const double sigma = scales_[static_cast<std::size_t>(other_level)];
-          if (squared_epipolar_distance(F_, pixel, pixel_of(second_, j)) > kChiSquareLine * sigma * sigma)
+          if (squared_epipolar_distance(F_, pixel, pixel_of(second_, j)) > kChiSquare1 * sigma * sigma)
             return;
-          const int d = hamming_distance(first_.features->descriptor(i), second_.features->descriptor(j));
-          if (d < best_distance) {
-            second_distance = best_distance;
-            best_distance = d;
-            best = j;
-          } else if (d < second_distance) {
-            second_distance = d;
-          }
+          nearest.offer(j, hamming_distance(first_.features->descriptor(i), second_.features->descriptor(j)));
         });
-    if (best >= 0 && static_cast<float>(best_distance) > kRatio * static_cast<float>(second_distance))
-      return -1;
-    return best;
+    return nearest.index >= 0 && nearest.is_ambiguous(kRatio) ? -1 : nearest.index;
   }
 
   // The point that features `i` and `j` show, if they agree on one.
@@ -108,9 +99,7 @@ class PairSearch {
     return keyframe.T_cw.inverse() * camera_.back_project(pixel.x(), pixel.y(), depth);
   }
   bool agrees(const KeyFrame& keyframe, int i, const Eigen::Vector3d& X) const {
-    const PixelMeasurement z = measurement_of(keyframe.view(), i, scales_);
-    const Eigen::Vector3d p = keyframe.T_cw * X;
-    return p.z() > 0.0 && reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
+    return within_gate(camera_, keyframe.T_cw * X, measurement_of(keyframe.view(), i, scales_));
   }
 
   const StereoCamera& camera_;

@@ -26,8 +26,7 @@ int fuse_points(Map& map, KeyFrame* keyframe, const std::vector<MapPoint*>& poin
     MapPoint* point = points[static_cast<std::size_t>(match.source)];
     if (point->erased) continue;
     const PixelMeasurement z = measurement_of(keyframe->view(), match.feature, map.scales());
-    const Eigen::Vector3d e = reprojection_error(map.camera(), keyframe->T_cw * point->position, z);
-    if (e.squaredNorm() * z.inverse_variance > z.gate()) continue;
+    if (!within_gate(map.camera(), keyframe->T_cw * point->position, z)) continue;
     ++found;
     MapPoint* present = keyframe->points[static_cast<std::size_t>(match.feature)];
     if (present == nullptr) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slam/dynamics/cluster_outline.h"
+#include "slam/frontend/features/nearest_descriptor.h"
 
 namespace penumbra::slam {
 
@@ -58,21 +59,20 @@ std::vector<CompanionFinder::Found> CompanionFinder::found_again(const Past& pas
     if (!past.origins[at].known) continue;
     const FeaturePixel k = before.pixel(i);
     const double disparity = k.u - k.u_right;
-    int best = -1, distance = settings_.max_distance + 1;
+    NearestDescriptor nearest = NearestDescriptor::within(settings_.max_distance + 1);
     features.measured().grid.visit_near(k.u, k.v, settings_.search_radius, [&](int j) {
       if (!features.has_stereo(j) || std::abs(features.level(j) - before.level(i)) > 1) return;
       const FeaturePixel pixel = features.pixel(j);
       const double other = pixel.u - pixel.u_right;
       if (std::abs(other - disparity) > settings_.search_disparity) return;
-      const int d = hamming_distance(before.descriptor(i), features.descriptor(j));
-      if (d >= distance) return;
-      distance = d;
-      best = j;
+      nearest.offer(j, hamming_distance(before.descriptor(i), features.descriptor(j)));
     });
-    if (best < 0 || distance >= distance_of[static_cast<std::size_t>(best)]) continue;
-    distance_of[static_cast<std::size_t>(best)] = distance;
-    found[static_cast<std::size_t>(best)] = {
-        past.origins[at], distance + settings_.margin <= distance_if_still(past, i, features, T_co)};
+    if (nearest.index < 0) continue;
+    const auto best = static_cast<std::size_t>(nearest.index);
+    if (nearest.distance >= distance_of[best]) continue;
+    distance_of[best] = nearest.distance;
+    found[best] = {past.origins[at],
+                   nearest.distance + settings_.margin <= distance_if_still(past, i, features, T_co)};
   }
   return found;
 }

@@ -5,6 +5,7 @@
 
 #include "nn/base/quantile.h"
 #include "nn/image/resize.h"
+#include "slam/frontend/features/nearest_descriptor.h"
 
 namespace penumbra::slam {
 
@@ -88,26 +89,22 @@ std::vector<std::pair<int, int>> match(const std::vector<Guess>& guesses, const 
                                        const FeatureView& to, const InstanceViewSettings& settings) {
   std::vector<std::pair<int, int>> best_of(static_cast<std::size_t>(to.size()), {-1, 0});
   for (const Guess& guess : guesses) {
-    int best = -1, distance = settings.max_distance + 1;
+    NearestDescriptor nearest = NearestDescriptor::within(settings.max_distance + 1);
     const int level = from.level(guess.feature);
-    to.measured().grid.visit_near(static_cast<float>(guess.pixel.x()), static_cast<float>(guess.pixel.y()),
-                                  settings.search_radius, [&](int j) {
-                                    if (std::abs(to.level(j) - level) > 1) return;
-                                    const int d =
-                                        hamming_distance(from.descriptor(guess.feature), to.descriptor(j));
-                                    if (d >= distance) return;
-                                    const double depth = to.depth(j);
-                                    if (guess.depth > 0.0 && to.has_stereo(j) &&
-                                        std::abs(depth - guess.depth) > 1.0 + 0.15 * guess.depth)
-                                      return;
-                                    distance = d;
-                                    best = j;
-                                  });
-    if (best < 0) continue;
-    auto& [source, kept] = best_of[static_cast<std::size_t>(best)];
-    if (source >= 0 && kept <= distance) continue;
+    to.measured().grid.visit_near(
+        static_cast<float>(guess.pixel.x()), static_cast<float>(guess.pixel.y()), settings.search_radius,
+        [&](int j) {
+          if (std::abs(to.level(j) - level) > 1) return;
+          if (guess.depth > 0.0 && to.has_stereo(j) &&
+              std::abs(to.depth(j) - guess.depth) > 1.0 + 0.15 * guess.depth)
+            return;
+          nearest.offer(j, hamming_distance(from.descriptor(guess.feature), to.descriptor(j)));
+        });
+    if (nearest.index < 0) continue;
+    auto& [source, kept] = best_of[static_cast<std::size_t>(nearest.index)];
+    if (source >= 0 && kept <= nearest.distance) continue;
     source = guess.feature;
-    kept = distance;
+    kept = nearest.distance;
   }
   std::vector<std::pair<int, int>> matches;
   for (int j = 0; j < to.size(); ++j) {

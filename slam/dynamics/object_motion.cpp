@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "nn/base/quantile.h"
+#include "slam/geometry/chi_square.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-constexpr double kGate = 7.815;                // 95 % quantile of chi^2 with 3 degrees of freedom
 constexpr int kRounds = 6, kRobustRounds = 4;  // in the last ones foreign points have no say at all
 
 // The median of every component: a start that half of the points cannot spoil.
@@ -62,11 +62,11 @@ std::optional<ObjectVelocity> estimate_velocity(std::span<const PointDisplacemen
       const Eigen::Matrix3d weight = point.covariance.inverse();
       const Eigen::Vector3d e = point.metres - found.metres_per_second * point.seconds;
       const double squared = e.dot(weight * e);
-      const double outside = round < kRobustRounds ? std::sqrt(kGate / squared) : 0.0;
-      const double huber = squared <= kGate ? 1.0 : outside;
+      const double outside = round < kRobustRounds ? std::sqrt(kChiSquare3 / squared) : 0.0;
+      const double huber = squared <= kChiSquare3 ? 1.0 : outside;
       information += huber * point.seconds * point.seconds * weight;
       right += huber * point.seconds * (weight * point.metres);
-      found.inliers += squared <= kGate;
+      found.inliers += squared <= kChiSquare3;
       longest = std::max(longest, std::abs(point.seconds));
     }
     found.metres_per_second = information.ldlt().solve(right);

@@ -18,11 +18,11 @@ constexpr double kClearlyOff = 4.0;       // times the gate: a pair that a motio
 constexpr double kMostWorldInside = 0.4;  // points of the world in the mover's outline, as a share of its own
 constexpr double kFarthest = 60.0;        // metres; farther points say nothing about extents
 
+// Relative to the gate.
 double squared_error(const StereoCamera& camera, const SE3& T_cw, const PoseObservation& o) {
   const Eigen::Vector3d p = T_cw * o.point;
   if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
-  return reprojection_error(camera, p, o.measurement).squaredNorm() * o.measurement.inverse_variance /
-         o.measurement.gate();
+  return weighted_error(camera, p, o.measurement) / o.measurement.gate();
 }
 
 // Pairs that `own` explains and `other` clearly does not.

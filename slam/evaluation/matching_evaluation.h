@@ -13,9 +13,9 @@
 // depth. The first two images have no motion before them; there, and where a feature has no depth, it has no
 // more to go by than the adaptive one.
 //
-// Another kind of feature can be measured beside ours (MatchingBaseline). The target penumbra-sift has OpenCV's
-// SIFT, which stands in for the paper's SURF, patented in part and not in Debian's OpenCV: both are blobs of a
-// scale space with a descriptor of gradients.
+// Another kind of feature can be measured beside ours (MatchingBaseline). The target penumbra-sift has
+// OpenCV's SIFT, which stands in for the paper's SURF, patented in part and not in Debian's OpenCV: both are
+// blobs of a scale space with a descriptor of gradients.
 #pragma once
 
 #include <array>

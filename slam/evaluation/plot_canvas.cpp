@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
 
@@ -16,9 +17,25 @@ std::string hex(const Bgr& colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", colour[2], colour[1], colour[0]);
 }
 
+// Whether each byte of 0x80 and above belongs to a character of UTF-8.
+bool is_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    int more = 0;  // bytes that go on
+    if (byte >= 0x80) more = byte >= 0xF0 ? 3 : byte >= 0xE0 ? 2 : 1;
+    if ((byte >= 0x80 && byte < 0xC2) || byte > 0xF4) return false;
+    for (; more > 0; --more) {
+      if (++i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) return false;
+    }
+  }
+  return true;
+}
+
 std::string escaped(std::string_view text) {
+  const bool is_text = is_utf8(text);
   std::string out;
-  for (const char c : text) {
+  for (const char letter : text) {
+    const char c = !is_text && static_cast<unsigned char>(letter) >= 0x80 ? '?' : letter;
     switch (c) {
       case '&':
         out += "&amp;";
@@ -43,6 +60,8 @@ template <class... Visitors>
 struct Overloaded : Visitors... {
   using Visitors::operator()...;
 };
+template <class... Visitors>
+Overloaded(Visitors...) -> Overloaded<Visitors...>;  // clang 14 does not find it by itself
 
 }  // namespace
 
@@ -127,10 +146,15 @@ ByteImage PlotCanvas::picture() const {
 }
 
 void write_plot(const std::filesystem::path& path, const PlotCanvas& plot) {
-  if (path.extension() == ".svg") {
+  const std::string ending = nn::image_ending(path);
+  if (ending == ".svg") {
     nn::write_file(path, plot.svg(), /*durable=*/false);
-  } else {
+  } else if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") {
     nn::write_image(path, plot.picture());
+  } else {
+    throw Error(
+        fmt::format("{}: cannot draw the plot: expected a name that ends with .svg, .png or .jpg, found '{}'",
+                    path.string(), ending));
   }
 }
 

@@ -172,7 +172,10 @@ PlotCanvas draw_trajectories(const Trajectory& estimate, const Trajectory& groun
   const std::string subtitle = options.subtitle.empty() ? fmt::format("top view, {} poses, {:.1f} m",
                                                                       estimate.size(), path_length(estimate))
                                                         : options.subtitle;
-  canvas.text(options.title, {kMarginLeft, 48}, 22, Anchor::left, kInk, true);
+  // A long name gets smaller letters.
+  const double room = view.picture.width - kMarginLeft - kMarginRight, kTitle = 22.0;
+  const double title_height = kTitle * std::min(1.0, room / std::max(1.0, text_width(options.title, kTitle)));
+  canvas.text(options.title, {kMarginLeft, 48}, title_height, Anchor::left, kInk, true);
   canvas.text(subtitle, {kMarginLeft, 80}, 14, Anchor::left, kFaintInk);
   return canvas;
 }

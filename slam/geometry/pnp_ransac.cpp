@@ -14,10 +14,7 @@ int count_inliers(const StereoCamera& camera, std::span<const PoseObservation> o
   inlier.assign(observations.size(), 0);
   int count = 0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    const PixelMeasurement& z = observations[i].measurement;
-    const Eigen::Vector3d p = T_cw * observations[i].point;
-    if (p.z() <= 0.0) continue;
-    if (reprojection_error(camera, p, z).squaredNorm() * z.inverse_variance > z.gate()) continue;
+    if (!within_gate(camera, T_cw * observations[i].point, observations[i].measurement)) continue;
     inlier[i] = 1;
     ++count;
   }

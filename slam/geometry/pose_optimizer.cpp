@@ -89,7 +89,7 @@ class Problem {
       const PixelMeasurement& z = observations_[i].measurement;
       const Eigen::Vector3d p = T_cw * observations_[i].point;
       if (p.z() < kNearest) continue;
-      inlier_[i] = reprojection_error(camera_, p, z).squaredNorm() * z.inverse_variance <= z.gate();
+      inlier_[i] = within_gate(camera_, p, z);
       count += inlier_[i];
     }
     return count;

@@ -9,20 +9,18 @@
 //   J_point = de/dX  = J_pi R,      de/dd0 = (0, 0, -1) for stereo
 //
 // Huber: rho(s) = s for s <= d^2, else 2 d sqrt(s) - d^2, of the squared weighted error s; weight rho'(s).
-// Gates: 95 % quantiles of chi^2 with 2 and 3 degrees of freedom.
+// Gates: chi_square.h, with 2 and 3 degrees of freedom.
 // Source: Barfoot (2017) section 7.3; Mur-Artal, Tardos, ORB-SLAM2, section III-B (stereo residual).
 #pragma once
 
 #include <Eigen/Core>
 #include <cmath>
 
+#include "slam/geometry/chi_square.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
 
 namespace penumbra::slam {
-
-inline constexpr double kChiSquareMono = 5.991;
-inline constexpr double kChiSquareStereo = 7.815;
 
 // A measured pixel: (u, v, u_right), u_right only where `stereo`.
 struct PixelMeasurement {
@@ -30,7 +28,7 @@ struct PixelMeasurement {
   double inverse_variance = 1.0;  // 1 / sigma^2, 1/pixels^2; of a feature: measurement.h
   bool stereo = false;
 
-  double gate() const { return stereo ? kChiSquareStereo : kChiSquareMono; }
+  double gate() const { return stereo ? kChiSquare3 : kChiSquare2; }
 };
 
 // e for point `p` in the camera's frame, p.z() > 0; the third row is 0 for monocular measurements.
@@ -39,6 +37,17 @@ inline Eigen::Vector3d reprojection_error(const StereoCamera& camera, const Eige
   Eigen::Vector3d e = camera.project_stereo(p) - z.pixel;
   if (!z.stereo) e.z() = 0.0;
   return e;
+}
+
+// |e|^2 / sigma^2 of a point `p` in the camera's frame, before the camera.
+inline double weighted_error(const StereoCamera& camera, const Eigen::Vector3d& p,
+                             const PixelMeasurement& z) {
+  return reprojection_error(camera, p, z).squaredNorm() * z.inverse_variance;
+}
+
+// Whether a point agrees with a measurement: before the camera, and within its chi-square gate.
+inline bool within_gate(const StereoCamera& camera, const Eigen::Vector3d& p, const PixelMeasurement& z) {
+  return p.z() > 0.0 && weighted_error(camera, p, z) <= z.gate();
 }
 
 // J_pi; the third row is 0 for monocular measurements.

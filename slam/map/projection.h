@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slam/frontend/features/frame_matcher.h"
+#include "slam/frontend/features/level_of_size.h"
 #include "slam/geometry/se3.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/map/map_point.h"
@@ -16,8 +17,7 @@ namespace penumbra::slam {
 // The level on which a point with `reference_distance` is found from `distance`: a corner's size in the image
 // falls with the distance,  level = log(reference_distance / distance) / log(s), unclamped.
 inline int predicted_level(double reference_distance, double distance, const std::vector<double>& scales) {
-  const double step = scales.size() > 1 ? std::log(scales[1]) : 1.0;
-  return static_cast<int>(std::lround(std::log(reference_distance / distance) / step));
+  return static_cast<int>(std::lround(level_of_size(reference_distance / distance, level_step(scales))));
 }
 
 // Nothing where the point is behind the camera, out of the image, much nearer or farther than it was seen

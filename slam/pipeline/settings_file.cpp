@@ -21,6 +21,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr std::string_view kExpected = "settings as JSON, as penumbra slam --print-settings prints them";
+
 Json parse(const std::string& text, const std::string& place) {
   std::vector<std::set<std::string>> names;  // of the objects that are open
   const auto note = [&](int, Json::parse_event_t event, Json& value) {
@@ -35,9 +37,10 @@ Json parse(const std::string& text, const std::string& place) {
     return Json::parse(text, note, /*allow_exceptions=*/true, /*ignore_comments=*/true);
   } catch (const Json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-    throw InputError(fmt::format("{}:{}", place, 1 + std::count(text.begin(), end, '\n')),
-                     "settings as JSON, as penumbra slam --print-settings prints them",
+    throw InputError(fmt::format("{}:{}", place, 1 + std::count(text.begin(), end, '\n')), kExpected,
                      printable(error.what()));
+  } catch (const Json::exception& error) {  // a number that no double holds
+    throw InputError(place, kExpected, printable(error.what()));
   }
 }
 
@@ -95,9 +98,10 @@ class SettingsReader {
       const std::string name = prefix.empty() ? key : fmt::format("{}.{}", prefix, key);
       const auto field =
           std::find_if(fields_.begin(), fields_.end(), [&](const SettingField& f) { return f.name == name; });
-      if (field != fields_.end()) {
+      const bool is_path = key.find('.') != std::string::npos;  // groups are objects
+      if (field != fields_.end() && !is_path) {
         read_value(value, fmt::format("{}, {}", file_, name), *field);
-      } else if (is_group(name)) {
+      } else if (is_group(name) && !is_path) {
         read(value, name);
       } else {
         throw InputError(place, "settings by their names",

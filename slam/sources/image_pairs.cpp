@@ -19,8 +19,6 @@ constexpr std::string_view kFirst[] = {"left", "cam0", "l", "rgb", "color", "col
 constexpr std::string_view kSecond[] = {"right", "cam1", "r", "depth"};
 
 bool is_separator(char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 bool equal_letters(std::string_view a, std::string_view small) {
   return a.size() == small.size() && std::equal(a.begin(), a.end(), small.begin(), [](char x, char y) {
            return std::tolower(static_cast<unsigned char>(x)) == y;

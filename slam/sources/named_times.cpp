@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "nn/base/natural_order.h"
 #include "nn/base/text.h"
 #include "slam/geometry/time_unit.h"
 
@@ -18,8 +19,6 @@ constexpr std::size_t kClockDigits = 10;
 constexpr double kSmallestClock = 1e9;  // of whole numbers that are times
 constexpr double kCountingStep = 1.5;   // numbers that are closer count frames, unless they are seconds
 constexpr double kLargestSeconds = 1e10;
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // A name taken apart; `whole` is empty where it has no digits.
 struct NumberInName {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "nn/base/ceil_div.h"
 #include "slam/world/noise.h"
 
 namespace penumbra::slam::synthetic {
@@ -42,8 +43,8 @@ void FrameGeometry::prepare(const World& world, const StereoCamera& camera, cons
     object_bodies_[static_cast<std::size_t>(bodies_[i].frame_object)].push_back(static_cast<int>(i));
   }
 
-  tiles_x_ = (camera.width + kTileWidth - 1) / kTileWidth;
-  tiles_y_ = (camera.height + kTileHeight - 1) / kTileHeight;
+  tiles_x_ = ceil_div(camera.width, kTileWidth);
+  tiles_y_ = ceil_div(camera.height, kTileHeight);
   tile_bodies_.resize(static_cast<std::size_t>(tiles()));
   tile_shadows_.resize(static_cast<std::size_t>(tiles()));
   for (auto& list : tile_bodies_) list.clear();

@@ -23,8 +23,8 @@ TEST(MatchEvalCommand, PrintsTheTableAndJsonOfASyntheticDrive) {
   ASSERT_EQ(test::run_penumbra("synth --frames 4 --size 620x188 --out " + street).exit_code, 0);
   const test::ProgramResult table = test::run_penumbra(fmt::format("match-eval {} --plot {}", street, plot));
   ASSERT_EQ(table.exit_code, 0) << table.err;
-  for (const char* part : {"ORB + paper filter", "ORB + adaptive filter", "ORB + compensated filter",
-                           "within 2 px"}) {
+  for (const char* part :
+       {"ORB + paper filter", "ORB + adaptive filter", "ORB + compensated filter", "within 2 px"}) {
     EXPECT_NE(table.out.find(part), std::string::npos) << part;
   }
   EXPECT_TRUE(std::filesystem::exists(plot));

@@ -1,30 +1,12 @@
 #include "slam/frontend/features/descriptor_matcher.h"
 
+#include "slam/frontend/features/nearest_descriptor.h"
+
 namespace penumbra::slam {
-
-namespace {
-
-struct Nearest {
-  int index = -1;
-  int distance = kDescriptorBits + 1;
-  int second_distance = kDescriptorBits + 1;
-
-  void offer(int candidate, int d) {
-    if (d < distance) {
-      second_distance = distance;
-      distance = d;
-      index = candidate;
-    } else if (d < second_distance) {
-      second_distance = d;
-    }
-  }
-};
-
-}  // namespace
 
 std::vector<Match> match_descriptors(std::span<const Descriptor> a, std::span<const Descriptor> b,
                                      const DescriptorMatcherSettings& settings) {
-  std::vector<Nearest> of_a(a.size()), of_b(b.size());
+  std::vector<NearestDescriptor> of_a(a.size()), of_b(b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
       const int d = hamming_distance(a[i], b[j]);
@@ -34,10 +16,10 @@ std::vector<Match> match_descriptors(std::span<const Descriptor> a, std::span<co
   }
   std::vector<Match> matches;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const Nearest& n = of_a[i];
+    const NearestDescriptor& n = of_a[i];
     if (n.index < 0 || n.distance > settings.max_distance) continue;
     if (of_b[static_cast<std::size_t>(n.index)].index != static_cast<int>(i)) continue;
-    if (static_cast<float>(n.distance) > settings.ratio * static_cast<float>(n.second_distance)) continue;
+    if (n.is_ambiguous(settings.ratio)) continue;
     matches.push_back({static_cast<int>(i), n.index, n.distance});
   }
   return matches;

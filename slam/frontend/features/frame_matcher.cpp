@@ -5,41 +5,31 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/frontend/features/nearest_descriptor.h"
+
 namespace penumbra::slam {
 
 namespace {
 
 constexpr int kRotationBins = 30;
-constexpr int kNothing = kDescriptorBits + 1;  // further than any descriptor
 
 // The best feature for one projection; -1 where none passes.
 int search(const Projection& p, const FeatureView& frame, std::span<const char> taken, float radius,
            const FrameMatcherSettings& settings, int& best_distance) {
-  best_distance = kNothing;
-  int best = -1, best_level = -1, second_distance = kNothing, second_level = -1;
+  NearestDescriptor nearest;
   frame.measured().grid.visit_near(p.u, p.v, radius, [&](int i) {
     const int level = frame.level(i);
     if (level < p.level - settings.levels_below || level > p.level + settings.levels_above) return;
     if ((!taken.empty() && taken[std::size_t(i)]) || frame.is_movable(i)) return;
     const float u_right = frame.u_right(i);
     if (p.u_right >= 0.0F && u_right >= 0.0F && std::abs(p.u_right - u_right) > radius) return;
-    const int distance = hamming_distance(*p.descriptor, frame.descriptor(i));
-    if (distance < best_distance) {
-      second_distance = best_distance;
-      second_level = best_level;
-      best_distance = distance;
-      best_level = level;
-      best = i;
-    } else if (distance < second_distance) {
-      second_distance = distance;
-      second_level = level;
-    }
+    nearest.offer(i, hamming_distance(*p.descriptor, frame.descriptor(i)));
   });
-  if (best_distance > settings.max_distance) return -1;
-  const bool ambiguous =
-      best_level == second_level &&
-      static_cast<float>(best_distance) > settings.ratio * static_cast<float>(second_distance);
-  return ambiguous ? -1 : best;
+  best_distance = nearest.distance;
+  if (nearest.distance > settings.max_distance) return -1;
+  const bool same_level =
+      nearest.second_index >= 0 && frame.level(nearest.index) == frame.level(nearest.second_index);
+  return same_level && nearest.is_ambiguous(settings.ratio) ? -1 : nearest.index;
 }
 
 // Removes the pairs whose turn differs from the common one.

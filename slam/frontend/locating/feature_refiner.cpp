@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/frontend/features/level_of_size.h"
+
 namespace penumbra::slam {
 
 bool FeatureRefiner::refine(FeaturePixel& pixel, int feature_level, const Patch& patch, double patch_depth,
@@ -10,9 +12,8 @@ bool FeatureRefiner::refine(FeaturePixel& pixel, int feature_level, const Patch&
   if (patch.empty() || !(patch_depth > 0.0 && depth > 0.0) || pyramid_.levels() == 0) return false;
   const double nearer = patch_depth / depth;
   const double size = scales_[static_cast<std::size_t>(patch.level)] * nearer;
-  const double step = scales_.size() > 1 ? std::log(scales_[1]) : 1.0;
-  const int level =
-      static_cast<int>(std::clamp(std::round(std::log(size) / step), 0.0, pyramid_.levels() - 1.0));
+  const double unclamped = std::round(level_of_size(size, level_step(scales_)));
+  const int level = static_cast<int>(std::clamp(unclamped, 0.0, pyramid_.levels() - 1.0));
   const float ratio = static_cast<float>(size / scales_[static_cast<std::size_t>(level)]);
   const Eigen::Vector2f offset = static_cast<float>(nearer) * patch.offset;
   const std::optional<Eigen::Vector2f> found =

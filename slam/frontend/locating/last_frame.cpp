@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "slam/frontend/features/descriptor_matcher.h"
+#include "slam/frontend/features/level_of_size.h"
 #include "slam/frontend/features/measurement.h"
 
 namespace penumbra::slam {
@@ -50,7 +51,7 @@ LoosePoint LastFrame::loose_point(int feature, int last_feature) const {
 std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
   const FrameFeatures& features = *frame_.features;
   const int highest = static_cast<int>(map_.scales().size()) - 1;
-  const double step = highest > 0 ? std::log(map_.scales()[1]) : 1.0;
+  const double step = level_step(map_.scales());
   std::vector<Projection> projections;
   for (int i = 0; i < features.size(); ++i) {
     const std::optional<Eigen::Vector3d> point = this->point(i);
@@ -62,7 +63,7 @@ std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
     if (!map_.camera().in_image(pixel.head<2>())) continue;
     const double nearer = (frame_.T_cw * *point).norm() / p.norm();
     const int level =
-        std::clamp(k.level + static_cast<int>(std::lround(std::log(nearer) / step)), 0, highest);
+        std::clamp(k.level + static_cast<int>(std::lround(level_of_size(nearer, step))), 0, highest);
     projections.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
                            static_cast<float>(pixel.z()), level, k.angle, &features.descriptor(i), i});
   }

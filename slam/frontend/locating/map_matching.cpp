@@ -81,7 +81,7 @@ int keep_agreeing(const StereoCamera& camera, const std::vector<double>& scales,
       hypothesis.aligned[i] = 0;
       const PixelMeasurement z = measurement_of(hypothesis.view(frame), static_cast<int>(i), scales);
       const Eigen::Vector3d p = estimate.T_cw * observations[k].point;
-      agrees = p.z() > 0.0 && reprojection_error(camera, p, z).squaredNorm() * z.inverse_variance <= z.gate();
+      agrees = within_gate(camera, p, z);
     }
     ++k;
     if (agrees) {

@@ -9,16 +9,16 @@
 namespace penumbra::slam {
 namespace {
 
-constexpr int kLap = test::FeatureWorld::kKeyframesPerLap;
+constexpr int kRound = test::FeatureWorld::kKeyframesPerLap;
 
 // A lap of the ring road, as a drifting odometry sees it, up to where it began.
 class MapCorrectionTest : public ::testing::Test {
  protected:
   void drive_lap(double degrees) {
     Vector6d drift = Vector6d::Zero();
-    drift[4] = degrees * std::numbers::pi / 180.0 / kLap;
+    drift[4] = degrees * std::numbers::pi / 180.0 / kRound;
     test::DriftingDrive drive(world, map, drift);
-    for (int k = 0; k < kLap + 2; ++k) newest = drive.add_keyframe(k);
+    for (int k = 0; k < kRound + 2; ++k) newest = drive.add_keyframe(k);
     first = map.keyframes().front();
   }
   VerifiedPlace recognised() const {
@@ -63,7 +63,7 @@ TEST_F(MapCorrectionTest, PutsTheKeyframeWhereThePlaceHasItAndSpreadsTheRest) {
 // In the middle of the lap nothing was fused: every point stays where the keyframe that made it sees it.
 TEST_F(MapCorrectionTest, MovesPointsAlongWithTheirKeyframes) {
   drive_lap(6.0);
-  KeyFrame* middle = map.keyframes()[kLap / 2];
+  KeyFrame* middle = map.keyframes()[kRound / 2];
   std::vector<std::pair<const MapPoint*, Eigen::Vector3d>> seen;
   for (const MapPoint* point : middle->points) {
     if (point != nullptr && point->observations.front().keyframe == middle)

@@ -4,6 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "apps/sift/sift_baseline.h"
 #include "nn/base/error.h"
 #include "slam/evaluation/matching_plot.h"
 #include "tests/support/cv_images.h"
@@ -47,6 +48,7 @@ TEST(MotionCheck, ComparesTurnedPixelsWhereTheCameraStoodStill) {
 TEST(MatchingEvaluation, CountsPairsThatAgreeWithTheTruth) {
   MatchingSettings settings;
   settings.orb_features = 300;
+  settings.baseline = [] { return std::make_unique<apps::SiftBaseline>(); };
   MatchingEvaluation good(kCamera, settings), bad(kCamera, settings);
   for (int i = 0; i < 3; ++i) {
     const StereoImages images = wall(0.2 * i);

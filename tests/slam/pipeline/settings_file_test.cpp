@@ -73,6 +73,8 @@ TEST_F(SettingsFile, SlipsAreNamed) {
   expect_refused(R"({"semantics": {"mode": "sometimes"}})", {"keyframes, interval, all", "sometimes"});
   expect_refused(R"({"threads": 2, "threads": 3})", {"every setting once", "threads"});
   expect_refused("{\n\"threads\": 2,\n", {"mine.json:3", "JSON"});
+  expect_refused(R"({"orb.features": 3})", {"orb.features"});
+  expect_refused(R"({"orb": {"scale_factor": 1e400}})", {"mine.json", "1e400"});
   expect_refused("", {"mine.json"});
   expect_refused("[]", {"an object of settings"});
 }

@@ -63,8 +63,8 @@ TEST_F(Euroc, IsReadFromTheFolderAndFromMav0) {
     EXPECT_EQ(dataset->camera().width, 80);
     EXPECT_NEAR(dataset->timestamp(1) - dataset->timestamp(0), 0.05, 1e-6);
     const StereoImages images = dataset->load(3);
-    EXPECT_EQ(images.left.at<uchar>(30, 40), 3);
-    EXPECT_EQ(images.right.at<uchar>(30, 40), 53);
+    EXPECT_EQ(images.left.at(40, 30), 3);
+    EXPECT_EQ(images.right.at(40, 30), 53);
     EXPECT_TRUE(images.depth.empty());
     EXPECT_FALSE(dataset->ground_truth().has_value());
     EXPECT_TRUE(dataset->notes().empty());
@@ -106,7 +106,7 @@ TEST_F(Euroc, ImagesWithoutPartnerAreLeftOutWithANote) {
   EXPECT_EQ(dataset->size(), 2);
   ASSERT_EQ(dataset->notes().size(), 1U);
   EXPECT_NE(dataset->notes().front().find("2 images without a partner"), std::string::npos);
-  EXPECT_EQ(dataset->load(1).left.at<uchar>(30, 40), 2);
+  EXPECT_EQ(dataset->load(1).left.at(40, 30), 2);
   nn::write_file(camera(1) / "data.csv", "5,x.png\n");
   expect_refused({"cam0 and cam1 with the same times"});
 }

@@ -56,17 +56,17 @@ TEST_F(ImageFolder, RectifiedPairsAreReadInTheOrderOfTheirNames) {
   EXPECT_EQ(dataset->camera().baseline, 0.12);
   EXPECT_EQ(dataset->camera().width, 80);
   EXPECT_DOUBLE_EQ(dataset->timestamp(2), 0.1);
-  EXPECT_EQ(dataset->load(1).left.type(), CV_8UC1);
-  EXPECT_EQ(dataset->load(1).left.at<uchar>(0, 0), 10);
+  EXPECT_EQ(dataset->load(1).left.channels(), 1);
+  EXPECT_EQ(dataset->load(1).left.at(0, 0), 10);
   calibrate(std::string(kRectified) + "colour: true\n");
-  EXPECT_EQ(open_dataset(root())->load(1).left.type(), CV_8UC3);
+  EXPECT_EQ(open_dataset(root())->load(1).left.channels(), 3);
 }
 
 TEST_F(ImageFolder, RawPairsAreRectified) {
   calibrate(kRaw);
   const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
   EXPECT_NEAR(dataset->camera().baseline, 0.12, 1e-12);
-  EXPECT_EQ(dataset->load(2).right.at<uchar>(30, 40), 20);
+  EXPECT_EQ(dataset->load(2).right.at(40, 30), 20);
 }
 
 TEST_F(ImageFolder, RgbdIsReadWithItsDepthScale) {
@@ -76,8 +76,8 @@ TEST_F(ImageFolder, RgbdIsReadWithItsDepthScale) {
   const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
   EXPECT_EQ(dataset->sensor(), Sensor::rgbd);
   EXPECT_EQ(dataset->camera().baseline, 0.05);
-  EXPECT_EQ(dataset->load(1).left.type(), CV_8UC3);
-  EXPECT_FLOAT_EQ(dataset->load(1).depth.at<float>(0, 0), 0.01F);
+  EXPECT_EQ(dataset->load(1).left.channels(), 3);
+  EXPECT_FLOAT_EQ(dataset->load(1).depth.at(0, 0), 0.01F);
 }
 
 TEST_F(ImageFolder, TimesComeFromTheFileTheNamesOrTheRate) {
@@ -130,14 +130,14 @@ TEST_F(ImageFolder, TimesAreInTheUnitThatFits) {
   EXPECT_NE(open_dataset(root())->notes().front().find("a date"), std::string::npos);
   name({"12.5", "12.25", "12.75"});
   EXPECT_EQ(open_dataset(root())->timestamp(0), 12.25);
-  EXPECT_EQ(open_dataset(root())->load(0).left.at<uchar>(0, 0), 10);
+  EXPECT_EQ(open_dataset(root())->load(0).left.at(0, 0), 10);
 }
 
 TEST_F(ImageFolder, NamesAreInTheOrderOfTheirNumbers) {
   for (const char* folder : {"left", "right"}) make_images(folder, {"0", "1", "2", "10", "11"}, CV_8UC1);
   const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
   ASSERT_EQ(dataset->size(), 5);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(dataset->load(i).left.at<uchar>(0, 0), 10 * i);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(dataset->load(i).left.at(0, 0), 10 * i);
 }
 
 TEST_F(ImageFolder, ATimeBelongsToThePlaceBeforePairing) {
@@ -163,7 +163,7 @@ TEST_F(ImageFolder, FramesWithOneTimeAreTakenOnce) {
   nn::write_file(root() / "times.txt", "5\n5\n6\n");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
   ASSERT_EQ(dataset->size(), 2);
-  EXPECT_EQ(dataset->load(1).left.at<uchar>(0, 0), 20);
+  EXPECT_EQ(dataset->load(1).left.at(0, 0), 20);
   ASSERT_FALSE(dataset->notes().empty());
   EXPECT_NE(dataset->notes().front().find("1 frames have the time of the frame before"), std::string::npos);
 }
@@ -209,7 +209,7 @@ TEST_F(ImageFolder, SixteenBitsAreTakenAsTheyAreFilled) {
     }
     DatasetOptions options;
     options.image_bits = bits;
-    return int{open_dataset(root(), options)->load(0).left.at<uchar>(0, 0)};
+    return int{open_dataset(root(), options)->load(0).left.at(0, 0)};
   };
   EXPECT_EQ(grey({400, 1020}), 100);  // 10 bits
   EXPECT_NE(open_dataset(root())->notes().front().find("10 bits"), std::string::npos);
@@ -233,7 +233,7 @@ TEST_F(ImageFolder, PartnersAreFoundByName) {
   make_images("right", {"000004", "000005", "000009"}, CV_8UC1);
   const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
   EXPECT_EQ(dataset->size(), 2);
-  EXPECT_EQ(dataset->load(0).left.at<uchar>(0, 0), 10);
+  EXPECT_EQ(dataset->load(0).left.at(0, 0), 10);
   ASSERT_FALSE(dataset->notes().empty());
   EXPECT_NE(dataset->notes().front().find("2 images without a partner"), std::string::npos);
   make_images("right", {"x"}, CV_8UC1);

@@ -7,7 +7,7 @@
 namespace penumbra::slam {
 namespace {
 
-const StereoCamera kCamera{500.0, 500.0, 320.0, 240.0, 0.08, 640, 480};
+const StereoCamera kRgbdCamera{500.0, 500.0, 320.0, 240.0, 0.08, 640, 480};
 
 Features features_at(std::initializer_list<std::pair<float, float>> pixels) {
   Features features;
@@ -19,12 +19,12 @@ Features features_at(std::initializer_list<std::pair<float, float>> pixels) {
 TEST(DepthMeasurement, GivesTheColumnOfAVirtualRightCamera) {
   const FloatImage depth = FloatImage::filled(640, 480, 2.0F);
   StereoMatches matches;
-  measure_depth(kCamera, features_at({{100.25F, 50.0F}, {400.0F, 300.5F}}), depth, matches);
+  measure_depth(kRgbdCamera, features_at({{100.25F, 50.0F}, {400.0F, 300.5F}}), depth, matches);
   EXPECT_EQ(matches.count, 2);
   EXPECT_FLOAT_EQ(matches.depth[0], 2.0F);
   EXPECT_FLOAT_EQ(matches.u_right[0], 100.25F - 20.0F);  // fx b / Z = 20 pixels
   // It is what a point at that depth projects to.
-  const Eigen::Vector3d pixel = kCamera.project_stereo(kCamera.back_project(400.0, 300.5, 2.0));
+  const Eigen::Vector3d pixel = kRgbdCamera.project_stereo(kRgbdCamera.back_project(400.0, 300.5, 2.0));
   EXPECT_NEAR(matches.u_right[1], pixel.z(), 1e-4);
 }
 
@@ -36,8 +36,9 @@ TEST(DepthMeasurement, LeavesOutWhatIsUnknown) {
   depth.at(100, 53) = -1.0F;
   StereoMatches matches;
   // The last two lie outside the image, and to the left of what the virtual camera sees.
-  measure_depth(kCamera, features_at({{100, 50}, {100, 51}, {100, 52}, {100, 53}, {639.6F, 20}, {10, 20}}),
-                depth, matches);
+  measure_depth(kRgbdCamera,
+                features_at({{100, 50}, {100, 51}, {100, 52}, {100, 53}, {639.6F, 20}, {10, 20}}), depth,
+                matches);
   EXPECT_EQ(matches.count, 0);
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(matches.u_right[i], -1.0F) << i;
@@ -48,7 +49,7 @@ TEST(DepthMeasurement, LeavesOutWhatIsUnknown) {
 TEST(DepthMeasurement, WithoutFeaturesThereIsNothing) {
   StereoMatches matches;
   matches.count = 5;
-  measure_depth(kCamera, {}, FloatImage::filled(640, 480, 1.0F), matches);
+  measure_depth(kRgbdCamera, {}, FloatImage::filled(640, 480, 1.0F), matches);
   EXPECT_EQ(matches.count, 0);
   EXPECT_TRUE(matches.u_right.empty());
 }

@@ -14,7 +14,6 @@ namespace {
 void expect_adaptive_filter_helps(const std::filesystem::path& folder) {
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
   MatchingSettings settings;
-  settings.sift = false;
   MatchingEvaluation evaluation(dataset->camera(), settings);
   for (int i = 0; i < std::min(dataset->size(), 50); ++i) {
     evaluation.add(dataset->load(i), (*dataset->ground_truth())[std::size_t(i)].T_wc);
