@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 #include <span>
 
@@ -29,9 +28,7 @@ nn::CocoImageId id_from_name(const std::filesystem::path& path) {
 
 // Images, also of formats that are not read: each of those is then named as such, as it is by itself.
 bool has_image_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = nn::image_ending(path);
   constexpr std::array kEndings = {".png",  ".jpg",  ".jpeg", ".jpe", ".jfif", ".pgm",
                                    ".ppm",  ".pnm",  ".bmp",  ".tif", ".tiff", ".webp",
                                    ".heic", ".heif", ".avif", ".gif", ".jp2",  ".jxl"};

@@ -50,9 +50,16 @@ void parse_segmentation(const std::string& text, slam::SemanticsSettings& semant
   semantics.interval = std::stoi(number);
 }
 
+// As --segmentation takes it.
+std::string segmentation_text(const slam::SemanticsSettings& semantics) {
+  if (semantics.mode == slam::SegmentationMode::interval) return fmt::format("every-{}", semantics.interval);
+  return slam::word_of(semantics.mode);
+}
+
 // Empty where no segmentation by a network is asked for.
-std::optional<LoadedNetwork> find_network(const SlamOptions& options) {
-  if (options.segmentation == "off" || options.weights.empty()) return std::nullopt;
+std::optional<LoadedNetwork> find_network(const SlamOptions& options,
+                                          const slam::SemanticsSettings& semantics) {
+  if (semantics.mode == slam::SegmentationMode::off || options.weights.empty()) return std::nullopt;
   return load_network(options.weights, options.classes, slam_network_config(), options.key);
 }
 
@@ -256,13 +263,12 @@ void run_slam(const SlamOptions& options) {
   run.dataset = dataset->name();
   for (const std::string& note : dataset->notes()) log_warning("{}: {}", options.dataset.folder, note);
   run.warnings = dataset->notes();
-  const std::optional<LoadedNetwork> loaded = find_network(options);
+  const std::optional<LoadedNetwork> loaded = find_network(options, settings.semantics);
   slam::Segmenter segmenter;
   if (loaded) segmenter = make_segmenter(*loaded);
-  if (!options.masks.empty() && options.segmentation != "off") segmenter = make_mask_reader(options.masks);
-  const bool by_file = !options.settings.empty() && !options.given.contains("--segmentation");
-  const std::string segmentation = by_file ? slam::word_of(settings.semantics.mode) : options.segmentation;
-  run.segmentation = segmenter ? segmentation : "off";
+  if (!options.masks.empty() && settings.semantics.mode != slam::SegmentationMode::off)
+    segmenter = make_mask_reader(options.masks);
+  run.segmentation = segmenter ? segmentation_text(settings.semantics) : "off";
   std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
   const ResultPlaces places{options.out, options.save_map};
   prepare_places(places);

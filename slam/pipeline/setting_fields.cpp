@@ -244,25 +244,6 @@ std::vector<SettingField> setting_fields(SlamSettings& s) {
   return fields;
 }
 
-std::string word_of(MismatchFilterMode mode) { return std::string(name_of(mode)); }
-
-std::string word_of(SegmentationMode mode) {
-  switch (mode) {
-    case SegmentationMode::off:
-      return "off";
-    case SegmentationMode::keyframes:
-      return "keyframes";
-    case SegmentationMode::interval:
-      return "interval";
-    case SegmentationMode::all:
-      break;
-  }
-  return "all";
-}
-
-std::vector<std::string> filter_words() { return {"off", "paper", "adaptive", "compensated"}; }
-std::vector<std::string> segmentation_words() { return {"off", "keyframes", "interval", "all"}; }
-
 void check_settings(const SlamSettings& settings, const std::string& place) {
   SlamSettings copy = settings;  // fields point to what could be written
   for (const SettingField& field : setting_fields(copy)) {

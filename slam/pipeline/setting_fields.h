@@ -2,7 +2,10 @@
 // read and write, and what is checked.
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -22,11 +25,29 @@ struct SettingField {
 // adjustments, extends_map).
 std::vector<SettingField> setting_fields(SlamSettings& settings);
 
-// Words of the settings that are none: "off", "adaptive", ...
-std::string word_of(MismatchFilterMode mode);
-std::string word_of(SegmentationMode mode);
-std::vector<std::string> filter_words();
-std::vector<std::string> segmentation_words();
+// The words of the settings that are no numbers.
+template <class Mode>
+inline constexpr std::array<std::pair<std::string_view, Mode>, 0> kWords{};
+template <>
+inline constexpr std::array kWords<MismatchFilterMode>{
+    std::pair<std::string_view, MismatchFilterMode>("off", MismatchFilterMode::off),
+    std::pair<std::string_view, MismatchFilterMode>("paper", MismatchFilterMode::paper),
+    std::pair<std::string_view, MismatchFilterMode>("adaptive", MismatchFilterMode::adaptive),
+    std::pair<std::string_view, MismatchFilterMode>("compensated", MismatchFilterMode::compensated)};
+template <>
+inline constexpr std::array kWords<SegmentationMode>{
+    std::pair<std::string_view, SegmentationMode>("off", SegmentationMode::off),
+    std::pair<std::string_view, SegmentationMode>("keyframes", SegmentationMode::keyframes),
+    std::pair<std::string_view, SegmentationMode>("interval", SegmentationMode::interval),
+    std::pair<std::string_view, SegmentationMode>("all", SegmentationMode::all)};
+
+template <class Mode>
+std::string word_of(Mode mode) {
+  for (const auto& [word, value] : kWords<Mode>) {
+    if (value == mode) return std::string(word);
+  }
+  return {};
+}
 
 // Throws InputError(place, ...) for the first number that is out of its bounds or not finite.
 void check_settings(const SlamSettings& settings, const std::string& place);

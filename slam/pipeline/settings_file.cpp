@@ -44,15 +44,18 @@ Json parse(const std::string& text, const std::string& place) {
   }
 }
 
-template <class Word>
-void read_word(const Json& json, const std::string& place, const std::vector<std::string>& words,
-               const std::vector<Word>& values, Word& value) {
+template <class Mode>
+void read_word(const Json& json, const std::string& place, Mode& mode) {
   const std::string found = json.is_string() ? json.get<std::string>() : json.dump();
-  const auto at = std::find(words.begin(), words.end(), found);
-  if (!json.is_string() || at == words.end()) {
-    throw InputError(place, fmt::format("one of {}", fmt::join(words, ", ")), printable(found));
+  std::vector<std::string_view> words;
+  for (const auto& [word, value] : kWords<Mode>) {
+    words.push_back(word);
+    if (json.is_string() && word == found) {
+      mode = value;
+      return;
+    }
   }
-  value = values[static_cast<std::size_t>(at - words.begin())];
+  throw InputError(place, fmt::format("one of {}", fmt::join(words, ", ")), printable(found));
 }
 
 void read_value(const Json& json, const std::string& place, const SettingField& field) {
@@ -73,14 +76,8 @@ void read_value(const Json& json, const std::string& place, const SettingField& 
         } else if constexpr (std::is_floating_point_v<Value>) {
           if (!json.is_number()) throw expected("a number");
           *value = json.get<Value>();
-        } else if constexpr (std::is_same_v<Value, MismatchFilterMode>) {
-          using Mode = MismatchFilterMode;
-          read_word<Mode>(json, place, filter_words(),
-                          {Mode::off, Mode::paper, Mode::adaptive, Mode::compensated}, *value);
         } else {
-          using Mode = SegmentationMode;
-          read_word<Mode>(json, place, segmentation_words(),
-                          {Mode::off, Mode::keyframes, Mode::interval, Mode::all}, *value);
+          read_word(json, place, *value);
         }
       },
       field.value);

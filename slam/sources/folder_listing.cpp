@@ -9,6 +9,7 @@
 #include "nn/base/error.h"
 #include "nn/base/natural_order.h"
 #include "nn/base/text.h"
+#include "nn/image/image_file.h"
 
 namespace penumbra::slam {
 
@@ -25,7 +26,7 @@ std::string small_letters(std::string text) {
 }
 
 bool ends_in_one_of(const fs::path& path, std::span<const std::string_view> endings) {
-  return std::find(endings.begin(), endings.end(), small_letters(path.extension().string())) != endings.end();
+  return std::find(endings.begin(), endings.end(), nn::image_ending(path)) != endings.end();
 }
 
 }  // namespace
