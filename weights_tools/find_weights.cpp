@@ -65,7 +65,7 @@ bool is_of_something_else(std::string_view key) {
       if (std::find(kOther.begin(), kOther.end(), word) != kOther.end()) return true;
       word.clear();
     }
-    if (std::isalpha(c) != 0) word += static_cast<char>(std::tolower(c));
+    if (std::isalpha(c) != 0) word += lower_case(static_cast<char>(c));
     was_small = std::islower(c) != 0;
   }
   return false;

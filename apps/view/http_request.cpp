@@ -1,19 +1,13 @@
 #include "apps/view/http_request.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
+
+#include "nn/base/text.h"
 
 namespace penumbra::apps {
 
 namespace {
-
-std::string in_small_letters(std::string_view text) {
-  std::string small(text);
-  std::transform(small.begin(), small.end(), small.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return small;
-}
 
 std::string_view without_blanks(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t");
@@ -80,7 +74,7 @@ std::optional<HttpRequest> parse_request(std::string_view head) {
   while (const std::optional<std::string_view> header = next_line(head)) {
     const std::size_t colon = header->find(':');
     if (colon == std::string_view::npos) return std::nullopt;
-    if (in_small_letters(header->substr(0, colon)) != "host") continue;
+    if (lower_case(header->substr(0, colon)) != "host") continue;
     request.host = without_blanks(header->substr(colon + 1));
     ++hosts;
   }

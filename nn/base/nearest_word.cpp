@@ -3,20 +3,20 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <vector>
+
+#include "nn/base/text.h"
 
 namespace penumbra {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  const auto small = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = row[0];
     row[0] = i + 1;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (small(a[i]) == small(b[j]) ? 0 : 1);
+      const std::size_t changed = diagonal + (lower_case(a[i]) == lower_case(b[j]) ? 0 : 1);
       diagonal = row[j + 1];
       row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
     }

@@ -6,6 +6,7 @@
 
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/text.h"
 #include "nn/image/bmp.h"
 #include "nn/image/colour.h"
 #include "nn/image/exif.h"
@@ -92,12 +93,7 @@ std::string encode_netpbm(const ByteView& image) {
 
 }  // namespace
 
-std::string image_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
+std::string image_ending(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
 ByteImage read_image(const std::filesystem::path& path, ImageColour colour, ImageOrientation orientation) {
   const StoredImage image = decode_image(path, colour, /*eight_bits=*/true, kReadImages);

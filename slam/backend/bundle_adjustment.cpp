@@ -1,56 +1,55 @@
 #include "slam/backend/bundle_adjustment.h"
 
-#include <algorithm>
-
 namespace penumbra::slam {
 
 namespace {
 
-constexpr double kMaxLambda = 1e8;
+// The unknowns, their trial values and the equations, as levenberg_marquardt.h wants them.
+class Bundle {
+ public:
+  Bundle(BundleProblem& problem, const BundleSettings& settings)
+      : problem_(problem), equations_(problem, settings.robust, settings.threads) {}
+
+  double cost() { return equations_.cost(problem_.camera, problem_.poses, problem_.points); }
+  void linearize() { equations_.linearize(); }
+  bool solve(double lambda) { return equations_.solve(lambda, step_); }
+  double trial_cost() {
+    poses_ = problem_.poses;
+    points_ = problem_.points;
+    camera_ = problem_.camera;
+    camera_.disparity_offset += step_.disparity_offset;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (problem_.pose_fixed[i]) continue;
+      poses_[i] = SE3::exp(step_.poses[i]) * poses_[i];
+      poses_[i].normalize();
+    }
+    for (std::size_t j = 0; j < points_.size(); ++j) points_[j] += step_.points[j];
+    return equations_.cost(camera_, poses_, points_);
+  }
+  void accept() {
+    problem_.camera = camera_;
+    problem_.poses.swap(poses_);
+    problem_.points.swap(points_);
+  }
+
+ private:
+  BundleProblem& problem_;
+  BundleEquations equations_;
+  BundleStep step_;
+  StereoCamera camera_;
+  std::vector<SE3> poses_;
+  std::vector<Eigen::Vector3d> points_;
+};
 
 }  // namespace
 
-BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings) {
-  BundleEquations equations(problem, settings.robust, settings.threads);
-  BundleSummary summary;
-  summary.initial_cost = summary.final_cost = equations.cost(problem.camera, problem.poses, problem.points);
-  double lambda = settings.initial_lambda;
-  BundleStep step;
-  bool linearized = false;
-  while (summary.iterations < settings.iterations && lambda < kMaxLambda) {
-    if (settings.stop != nullptr && settings.stop->load(std::memory_order_relaxed)) break;
-    ++summary.iterations;
-    if (!linearized) equations.linearize();
-    linearized = true;
-    if (!equations.solve(lambda, step)) {
-      lambda *= 100.0;
-      continue;
-    }
-    std::vector<SE3> poses = problem.poses;
-    std::vector<Eigen::Vector3d> points = problem.points;
-    StereoCamera camera = problem.camera;
-    camera.disparity_offset += step.disparity_offset;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      if (problem.pose_fixed[i]) continue;
-      poses[i] = SE3::exp(step.poses[i]) * poses[i];
-      poses[i].normalize();
-    }
-    for (std::size_t j = 0; j < points.size(); ++j) points[j] += step.points[j];
-    const double cost = equations.cost(camera, poses, points);
-    if (!(cost <= summary.final_cost)) {
-      lambda *= 10.0;
-      continue;
-    }
-    const bool converged = summary.final_cost - cost <= settings.converged * summary.final_cost;
-    problem.camera = camera;
-    problem.poses.swap(poses);
-    problem.points.swap(points);
-    summary.final_cost = cost;
-    lambda = std::max(lambda * 0.1, 1e-10);
-    linearized = false;
-    if (converged) break;
-  }
-  return summary;
+LeastSquaresSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings) {
+  Bundle bundle(problem, settings);
+  return levenberg_marquardt(bundle, {.iterations = settings.iterations,
+                                      .initial_lambda = settings.initial_lambda,
+                                      .smallest_lambda = 1e-10,
+                                      .converged = settings.converged,
+                                      .stop = settings.stop});
 }
 
 bool within_gate(const BundleProblem& problem, const BundleObservation& o) {

@@ -2,14 +2,14 @@
 //
 //   minimise over T_i, X_j    sum over observations  rho( |pi(T_i X_j) - z_ij|^2 / sigma_ij^2 )
 //
-// Levenberg-Marquardt: solve the damped normal equations (bundle_equations.h), take the step where the cost
-// falls and damp less, otherwise damp more. The stereo camera's disparity offset is adjusted, too, where the
-// problem says so; its prior is then part of the cost.
+// Levenberg-Marquardt (levenberg_marquardt.h) on the equations of bundle_equations.h. The stereo camera's
+// disparity offset is adjusted, too, where the problem says so; its prior is then part of the cost.
 #pragma once
 
 #include <atomic>
 
 #include "slam/backend/bundle_equations.h"
+#include "slam/geometry/levenberg_marquardt.h"
 
 namespace penumbra::slam {
 
@@ -22,14 +22,9 @@ struct BundleSettings {
   const std::atomic<bool>* stop = nullptr;  // set by somebody else: no further iteration begins
 };
 
-struct BundleSummary {
-  double initial_cost = 0.0, final_cost = 0.0;
-  int iterations = 0;
-};
-
 // Improves problem.poses, problem.points and, where it is adjusted, the camera's disparity offset; the cost
 // never rises. Points that no active observation sees stay.
-BundleSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings);
+LeastSquaresSummary solve_bundle(BundleProblem& problem, const BundleSettings& settings);
 
 // Whether the observation is within its chi-square gate, its point before the camera.
 bool within_gate(const BundleProblem& problem, const BundleObservation& o);

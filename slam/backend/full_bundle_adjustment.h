@@ -33,7 +33,7 @@ struct FullBundleSettings {
 
 struct FullBundleReport {
   int keyframes = 0, points = 0, observations = 0, removed_observations = 0;
-  BundleSummary robust, final;
+  LeastSquaresSummary robust, final;
   bool stopped = false;  // before its end
 };
 

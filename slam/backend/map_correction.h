@@ -38,7 +38,7 @@ struct LoopEdge {
 struct MapCorrection {
   bool merged_submaps = false;
   int fused = 0;  // points found again in the other visit's keyframes
-  PoseGraphSummary pose_graph;
+  LeastSquaresSummary pose_graph;
 };
 
 // `place`: where the keyframe was recognised. `earlier_loops` may hold erased keyframes; they are skipped.

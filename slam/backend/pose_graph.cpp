@@ -1,7 +1,6 @@
 #include "slam/backend/pose_graph.h"
 
 #include <Eigen/SparseCholesky>
-#include <algorithm>
 
 #include "nn/base/error.h"
 
@@ -9,7 +8,6 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr double kMaxLambda = 1e8;
 constexpr double kSmallestDiagonal = 1e-12;  // holds poses that no edge holds
 
 void check(const PoseGraph& graph) {
@@ -24,11 +22,24 @@ void check(const PoseGraph& graph) {
   }
 }
 
+// The poses, their trial values and the equations, as levenberg_marquardt.h wants them.
 class Solver {
  public:
-  explicit Solver(const PoseGraph& graph) : graph_(graph) {
+  explicit Solver(PoseGraph& graph) : graph_(graph), steps_(graph.poses.size(), Vector6d::Zero()) {
     for (const char fixed : graph.fixed) slot_.push_back(fixed ? -1 : free_++);
   }
+
+  double cost() const { return cost(graph_.poses); }
+  double trial_cost() {
+    moved_ = graph_.poses;
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+      if (graph_.fixed[i]) continue;
+      moved_[i] = SE3::exp(steps_[i]) * moved_[i];
+      moved_[i].normalize();
+    }
+    return cost(moved_);
+  }
+  void accept() { graph_.poses.swap(moved_); }
 
   double cost(const std::vector<SE3>& poses) const {
     double sum = 0.0;
@@ -70,8 +81,8 @@ class Solver {
     }
   }
 
-  // Steps of all poses, zero for fixed ones; false where the equations are singular.
-  bool solve(double lambda, std::vector<Vector6d>& steps) {
+  // Steps of all free poses; false where the equations are singular.
+  bool solve(double lambda) {
     std::vector<Eigen::Triplet<double>> entries = blocks_;
     for (int a = 0; a < free_; ++a) {
       Matrix6d block = diagonal_[std::size_t(a)];
@@ -91,9 +102,8 @@ class Solver {
     if (cholesky_.info() != Eigen::Success) return false;
     const Eigen::VectorXd x = cholesky_.solve(-gradient_);
     if (!x.allFinite()) return false;
-    steps.assign(slot_.size(), Vector6d::Zero());
     for (std::size_t i = 0; i < slot_.size(); ++i) {
-      if (slot_[i] >= 0) steps[i] = x.segment<6>(6 * slot_[i]);
+      if (slot_[i] >= 0) steps_[i] = x.segment<6>(6 * slot_[i]);
     }
     return true;
   }
@@ -107,7 +117,9 @@ class Solver {
     }
   }
 
-  const PoseGraph& graph_;
+  PoseGraph& graph_;
+  std::vector<Vector6d> steps_;  // a pose; zero where it is fixed
+  std::vector<SE3> moved_;
   int free_ = 0;
   std::vector<int> slot_;  // pose -> place among the free ones; -1 where it is fixed
   std::vector<Eigen::Triplet<double>> blocks_;
@@ -127,42 +139,14 @@ PoseGraphResidual pose_graph_residual(const SE3& T_i, const SE3& T_j, const SE3&
   return r;
 }
 
-PoseGraphSummary solve_pose_graph(PoseGraph& graph, const PoseGraphSettings& settings) {
+LeastSquaresSummary solve_pose_graph(PoseGraph& graph, const PoseGraphSettings& settings) {
   check(graph);
   Solver solver(graph);
-  PoseGraphSummary summary;
-  summary.initial_cost = summary.final_cost = solver.cost(graph.poses);
-  if (solver.free_poses() == 0 || graph.edges.empty()) return summary;
-  double lambda = settings.initial_lambda;
-  std::vector<Vector6d> steps;
-  bool linearized = false;
-  while (summary.iterations < settings.iterations && lambda < kMaxLambda) {
-    ++summary.iterations;
-    if (!linearized) solver.linearize();
-    linearized = true;
-    if (!solver.solve(lambda, steps)) {
-      lambda = std::max(lambda * 100.0, 1e-6);
-      continue;
-    }
-    std::vector<SE3> moved = graph.poses;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      if (graph.fixed[i]) continue;
-      moved[i] = SE3::exp(steps[i]) * moved[i];
-      moved[i].normalize();
-    }
-    const double cost = solver.cost(moved);
-    if (!(cost <= summary.final_cost)) {
-      lambda = std::max(lambda * 10.0, 1e-6);
-      continue;
-    }
-    const bool converged = summary.final_cost - cost <= settings.converged * summary.final_cost;
-    graph.poses.swap(moved);
-    summary.final_cost = cost;
-    lambda *= 0.1;
-    linearized = false;
-    if (converged) break;
-  }
-  return summary;
+  if (solver.free_poses() == 0 || graph.edges.empty()) return {solver.cost(), solver.cost(), 0};
+  return levenberg_marquardt(solver, {.iterations = settings.iterations,
+                                      .initial_lambda = settings.initial_lambda,
+                                      .smallest_raised = 1e-6,
+                                      .converged = settings.converged});
 }
 
 }  // namespace penumbra::slam

@@ -16,6 +16,7 @@
 
 #include <vector>
 
+#include "slam/geometry/levenberg_marquardt.h"
 #include "slam/geometry/se3.h"
 
 namespace penumbra::slam {
@@ -38,11 +39,6 @@ struct PoseGraphSettings {
   double converged = 1e-6;  // relative decrease of the cost that ends the iterations
 };
 
-struct PoseGraphSummary {
-  double initial_cost = 0.0, final_cost = 0.0;
-  int iterations = 0;
-};
-
 // e and its derivatives for one edge.
 struct PoseGraphResidual {
   Vector6d e;
@@ -52,6 +48,6 @@ PoseGraphResidual pose_graph_residual(const SE3& T_i, const SE3& T_j, const SE3&
 
 // Improves graph.poses; the cost never rises. Poses without an edge stay. Throws UsageError for an edge
 // whose ends are equal or out of range.
-PoseGraphSummary solve_pose_graph(PoseGraph& graph, const PoseGraphSettings& settings = {});
+LeastSquaresSummary solve_pose_graph(PoseGraph& graph, const PoseGraphSettings& settings = {});
 
 }  // namespace penumbra::slam

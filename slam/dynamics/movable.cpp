@@ -2,21 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 
+#include "nn/base/text.h"
+
 namespace penumbra::slam {
-
-namespace {
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
-}  // namespace
 
 bool is_movable_class(std::string_view class_name) {
   static constexpr std::array<std::string_view, 26> kMovable = {

@@ -58,7 +58,7 @@ ColumnName parse_name(std::string_view text) {
   ColumnName name;
   const std::size_t bracket = std::min(text.find_first_of("[("), text.size());
   for (const char c : text.substr(bracket)) {
-    if (std::isalpha(static_cast<unsigned char>(c)) != 0) name.unit += static_cast<char>(std::tolower(c));
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0) name.unit += lower_case(c);
   }
   bool was_lower = false, inside = false;
   for (const char c : text.substr(0, bracket)) {
@@ -70,7 +70,7 @@ ColumnName parse_name(std::string_view text) {
     if (!inside || (was_lower && std::isupper(byte) != 0)) name.words.emplace_back();
     inside = true;
     was_lower = std::islower(byte) != 0;
-    name.words.back() += static_cast<char>(std::tolower(byte));
+    name.words.back() += lower_case(c);
   }
   if (!name.words.empty() && is_one_of(name.words.back(), {"m", "meters", "metres"})) name.words.pop_back();
   const auto is_axis = [](const std::string& word) {

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <limits>
 
+#include "slam/geometry/levenberg_marquardt.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -11,7 +13,12 @@ constexpr int kPoseRounds = 3;
 constexpr int kIterations = 8;       // at most, per round
 constexpr double kConverged = 1e-5;  // relative decrease of the cost that ends a round
 constexpr double kNearest = 0.05;    // metres in front of the camera
-constexpr double kMaxLambda = 1e6;
+constexpr LeastSquaresSettings kDamping = {.iterations = kIterations,
+                                           .initial_lambda = 1e-6,
+                                           .smallest_lambda = 1e-9,
+                                           .largest_lambda = 2e6,
+                                           .raise = 100.0,
+                                           .converged = kConverged};
 
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
@@ -31,8 +38,8 @@ class Problem {
     }
   }
 
-  // Cost over the inliers, and with `derivatives` their normal equations.
-  NormalEquations evaluate(const SE3& T_cw, bool robust, bool derivatives) const {
+  // Cost over the inliers, and their normal equations.
+  NormalEquations evaluate(const SE3& T_cw, bool robust) const {
     NormalEquations n;
     if (prior_) add_prior(T_cw, n);
     for (std::size_t i = 0; i < observations_.size(); ++i) {
@@ -47,37 +54,12 @@ class Problem {
       const Eigen::Vector3d e = reprojection_error(camera_, p, z);
       const Huber h = huber(e.squaredNorm() * z.inverse_variance, bound);
       n.cost += h.cost;
-      if (!derivatives) continue;
       const Eigen::Matrix<double, 3, 6> J = pose_jacobian(projection_jacobian(camera_, p, z.stereo), p);
       const double weight = h.weight * z.inverse_variance;
       n.H.noalias() += weight * J.transpose() * J;
       n.g.noalias() += weight * J.transpose() * e;
     }
     return n;
-  }
-
-  void minimise(SE3& T_cw, bool robust) const {
-    double lambda = 1e-6;
-    NormalEquations at = evaluate(T_cw, robust, true);
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
-      Matrix6d damped = at.H;
-      damped.diagonal() *= 1.0 + lambda;
-      damped.diagonal().array() += 1e-9;
-      const Vector6d step = -damped.ldlt().solve(at.g);
-      if (!step.allFinite()) return;
-      SE3 moved = SE3::exp(step) * T_cw;
-      NormalEquations there = evaluate(moved, robust, true);
-      if (there.cost <= at.cost) {
-        const bool converged = at.cost - there.cost <= kConverged * at.cost;
-        T_cw = moved;
-        at = there;
-        lambda = std::max(lambda * 0.1, 1e-9);
-        if (converged) return;
-      } else {
-        lambda *= 100.0;
-        if (lambda > kMaxLambda) return;
-      }
-    }
   }
 
   // Sorts the observations into inliers and outliers at pose `T_cw`.
@@ -119,6 +101,43 @@ class Problem {
   std::vector<char> usable_, inlier_;
 };
 
+// The problem at a pose, as levenberg_marquardt.h wants it. Costs and equations come from one evaluation.
+class PoseSearch {
+ public:
+  PoseSearch(const Problem& problem, SE3& T_cw, bool robust)
+      : problem_(problem), T_cw_(T_cw), robust_(robust) {}
+
+  double cost() {
+    at_ = problem_.evaluate(T_cw_, robust_);
+    return at_.cost;
+  }
+  void linearize() {}
+  bool solve(double lambda) {
+    Matrix6d damped = at_.H;
+    damped.diagonal() *= 1.0 + lambda;
+    damped.diagonal().array() += 1e-9;
+    step_ = -damped.ldlt().solve(at_.g);
+    return step_.allFinite();
+  }
+  double trial_cost() {
+    moved_ = SE3::exp(step_) * T_cw_;
+    there_ = problem_.evaluate(moved_, robust_);
+    return there_.cost;
+  }
+  void accept() {
+    T_cw_ = moved_;
+    at_ = there_;
+  }
+
+ private:
+  const Problem& problem_;
+  SE3& T_cw_;
+  const bool robust_;
+  SE3 moved_;
+  Vector6d step_;
+  NormalEquations at_, there_;
+};
+
 PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
                       std::span<const PoseObservation> observations, const std::optional<PosePrior>& prior,
                       const std::vector<char>* begin_with) {
@@ -129,7 +148,8 @@ PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
   SE3 T_cw = initial;
   int inliers = 0;
   for (int round = 0; round < kPoseRounds; ++round) {
-    problem.minimise(T_cw, round + 1 < kPoseRounds);
+    PoseSearch search(problem, T_cw, round + 1 < kPoseRounds);
+    levenberg_marquardt(search, kDamping);
     inliers = problem.classify(T_cw);
     if (inliers < 3) return failed;
   }

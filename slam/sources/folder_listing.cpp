@@ -20,11 +20,6 @@ namespace {
 constexpr std::string_view kRead[] = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp"};
 constexpr std::string_view kForeign[] = {".tif", ".tiff", ".webp", ".gif", ".jp2", ".jxl", ".exr", ".heic"};
 
-std::string small_letters(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool ends_in_one_of(const fs::path& path, std::span<const std::string_view> endings) {
   return std::find(endings.begin(), endings.end(), nn::image_ending(path)) != endings.end();
 }
@@ -42,7 +37,7 @@ bool is_present(const fs::path& path) {
 }
 
 bool is_debris(const fs::path& path) {
-  const std::string name = small_letters(path.filename().string());
+  const std::string name = lower_case(path.filename().string());
   return name.starts_with("._") || name == ".ds_store" || name == "thumbs.db" || name == "desktop.ini" ||
          name == "@eadir" || name == "__macosx";
 }

@@ -19,11 +19,7 @@ constexpr std::string_view kFirst[] = {"left", "cam0", "l", "rgb", "color", "col
 constexpr std::string_view kSecond[] = {"right", "cam1", "r", "depth"};
 
 bool is_separator(char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }
-bool equal_letters(std::string_view a, std::string_view small) {
-  return a.size() == small.size() && std::equal(a.begin(), a.end(), small.begin(), [](char x, char y) {
-           return std::tolower(static_cast<unsigned char>(x)) == y;
-         });
-}
+bool equal_letters(std::string_view a, std::string_view small) { return lower_case(a) == small; }
 
 // The name without `side` at its begin or end; none where it is not there. A letter must not be next to it.
 std::optional<std::string_view> without_side(std::string_view name, std::string_view side) {

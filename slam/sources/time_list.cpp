@@ -15,10 +15,9 @@
 namespace penumbra::slam {
 
 bool is_heading(std::string_view line) {
-  std::string word(line.substr(0, line.find_first_of(" \t,;")));
+  const std::string word = lower_case(line.substr(0, line.find_first_of(" \t,;")));
   const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
   const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
-  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   // A number that is none, and one with a letter by mistake (l403636), are to be refused.
   if (word.size() < 2 || word == "nan" || word == "inf" || word == "infinity") return false;
   return (is_letter(static_cast<unsigned char>(word.front())) || word.front() == '"') &&

@@ -32,8 +32,7 @@ inline std::string in_quotes(std::string_view text) { return fmt::format("'{}'",
 inline std::string plain_word(std::string_view word) {
   std::string plain;
   for (const char c : word) {
-    if (c != '-' && c != '_' && c != ' ')
-      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (c != '-' && c != '_' && c != ' ') plain += lower_case(c);
   }
   return plain;
 }

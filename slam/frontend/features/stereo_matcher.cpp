@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "slam/frontend/features/nearest_descriptor.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -137,10 +139,9 @@ Refined refine(const ByteView& left, const ByteView& right, int xl, int y, int x
 // to that one; -1 otherwise.
 std::vector<int> mutual_partners(const Features& left, const Features& right, const RowTable& rows,
                                  float max_disparity) {
-  std::vector<int> partner(left.keypoints.size(), -1), distance(left.keypoints.size(), kMaxHamming);
-  std::vector<int> least(right.keypoints.size(),
-                         kMaxHamming);                   // distance of each right feature's nearest ...
-  std::vector<int> nearest(right.keypoints.size(), -1);  // ... and which that is
+  std::vector<int> partner(left.keypoints.size(), -1);
+  std::vector<NearestDescriptor> of_left(left.keypoints.size(), NearestDescriptor::within(kMaxHamming));
+  std::vector<NearestDescriptor> of_right(right.keypoints.size(), NearestDescriptor::within(kMaxHamming));
   for (std::size_t i = 0; i < left.keypoints.size(); ++i) {
     const Keypoint& k = left.keypoints[i];
     rows.visit_row(static_cast<int>(std::lround(k.v)), [&](int j) {
@@ -148,20 +149,16 @@ std::vector<int> mutual_partners(const Features& left, const Features& right, co
       const float disparity = k.u - candidate.u;
       if (std::abs(candidate.level - k.level) > 1 || disparity < -1.0F || disparity > max_disparity) return;
       const int d = hamming_distance(left.descriptors[i], right.descriptors[std::size_t(j)]);
-      if (d < least[std::size_t(j)]) {
-        least[std::size_t(j)] = d;
-        nearest[std::size_t(j)] = static_cast<int>(i);
-      }
-      if (d < distance[i]) {
-        distance[i] = d;
-        partner[i] = j;
-      }
+      of_left[i].offer(j, d);
+      of_right[std::size_t(j)].offer(static_cast<int>(i), d);
     });
   }
   for (std::size_t i = 0; i < partner.size(); ++i) {
-    if (partner[i] < 0 || least[std::size_t(partner[i])] == distance[i]) continue;
-    const Keypoint& rival = left.keypoints[std::size_t(nearest[std::size_t(partner[i])])];
-    if (std::abs(rival.u - left.keypoints[i].u) > kSamePlace) partner[i] = -1;
+    const int found = of_left[i].index;
+    if (found < 0) continue;
+    const NearestDescriptor& back = of_right[std::size_t(found)];
+    const float apart = left.keypoints[std::size_t(back.index)].u - left.keypoints[i].u;
+    if (back.distance == of_left[i].distance || std::abs(apart) <= kSamePlace) partner[i] = found;
   }
   return partner;
 }

@@ -145,7 +145,7 @@ TEST(BundleAdjustment, ConvergesToTheTruthOnExactData) {
   BundleSettings settings;
   settings.iterations = 30;
   settings.converged = 0.0;
-  const BundleSummary summary = solve_bundle(problem, settings);
+  const LeastSquaresSummary summary = solve_bundle(problem, settings);
   EXPECT_LT(summary.final_cost, 1e-10 * summary.initial_cost);
   for (std::size_t i = 0; i < truth.poses.size(); ++i) {
     EXPECT_LT((problem.poses[i] * truth.poses[i].inverse()).log().norm(), 1e-6);
@@ -180,7 +180,7 @@ TEST(BundleAdjustment, NeverRaisesTheCostAndKeepsFixedPoses) {
   problem.pose_fixed[1] = 1;
   disturb(problem);
   const BundleProblem before = problem;
-  const BundleSummary summary = solve_bundle(problem, {});
+  const LeastSquaresSummary summary = solve_bundle(problem, {});
   EXPECT_LE(summary.final_cost, summary.initial_cost);
   for (const std::size_t i : {0U, 1U}) {
     EXPECT_EQ(problem.poses[i].translation, before.poses[i].translation);
@@ -196,7 +196,7 @@ TEST(BundleAdjustment, IsTheSameForAnyNumberOfThreads) {
   BundleSettings settings;
   settings.iterations = 2;
   BundleProblem alone = problem;
-  const BundleSummary summary = solve_bundle(alone, settings);
+  const LeastSquaresSummary summary = solve_bundle(alone, settings);
   for (const int threads : {2, 3, 16}) {
     settings.threads = threads;
     BundleProblem shared = problem;

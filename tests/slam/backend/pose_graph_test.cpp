@@ -90,7 +90,7 @@ TEST(PoseGraph, ALoopTakesTheDriftOutOfAChain) {
   const double error_before = error(kPoses - 1), half_before = error(kPoses / 2);
   EXPECT_GT(error_before, 2.0);
   graph.edges.push_back({kPoses - 1, 0, truth.back() * truth[0].inverse(), 1e4 * Matrix6d::Identity()});
-  const PoseGraphSummary summary = solve_pose_graph(graph);
+  const LeastSquaresSummary summary = solve_pose_graph(graph);
   EXPECT_LT(summary.final_cost, 1e-2 * summary.initial_cost);
   EXPECT_LE(summary.iterations, 20);
   EXPECT_LT(error(kPoses - 1), 0.01);
@@ -113,7 +113,7 @@ TEST(PoseGraph, PerturbedPosesGoBackToWhereTheMeasurementsAgree) {
           {k, j, truth[std::size_t(k)] * truth[std::size_t(j)].inverse(), Matrix6d::Identity()});
     }
   }
-  const PoseGraphSummary summary = solve_pose_graph(graph);
+  const LeastSquaresSummary summary = solve_pose_graph(graph);
   EXPECT_LT(summary.final_cost, 1e-12);
   for (int k = 0; k < 30; ++k) {
     EXPECT_LT((graph.poses[std::size_t(k)] * truth[std::size_t(k)].inverse()).log().norm(), 1e-6) << k;
@@ -147,7 +147,7 @@ TEST(PoseGraph, TheWorkedExampleOfTheChapterHolds) {
 
   PoseGraph loop = graph;
   loop.edges.push_back(edge(0, 3, -10, 0, 1));
-  const PoseGraphSummary equal = solve_pose_graph(loop);
+  const LeastSquaresSummary equal = solve_pose_graph(loop);
   EXPECT_NEAR(equal.initial_cost, 0.16, 1e-9);
   EXPECT_NEAR(equal.final_cost, 0.04, 1e-4);
   expect_at(loop.poses[1], -0.1, 10.0);
