@@ -1,4 +1,4 @@
-// penumbra synth: renders a drive through the synthetic street.
+// penumbra synth: renders a drive through the synthetic street or a recording of the synthetic office.
 #include <fmt/core.h>
 
 #include <cstdio>
@@ -9,6 +9,8 @@
 #include "apps/common/image_size.h"
 #include "apps/common/progress_bar.h"
 #include "nn/base/error.h"
+#include "slam/world/layouts.h"
+#include "slam/world/office_sequence.h"
 #include "slam/world/street_sequence.h"
 
 namespace penumbra::apps {
@@ -18,14 +20,17 @@ namespace {
 namespace synthetic = slam::synthetic;
 
 struct SynthOptions {
-  synthetic::SequenceSettings sequence;
-  std::string preset = "street", sensor = "stereo";
-  std::string size;  // empty: as the sensor's kind usually has
+  std::string scene = "street", sensor;
+  std::optional<std::string> preset, path;
+  std::optional<std::string> size;
+  int frames = 0;
+  std::uint32_t seed = 1;
+  bool colour = false, depth = false, disparity = false, flow = false, annotations = false, amodal = false;
   std::filesystem::path out;
   bool overwrite = false;
   // What replaces the preset's values.
   std::optional<float> parked, traffic, moving, texture, exposure_change, noise, shutter, glare;
-  std::optional<std::string> light, lorry;
+  std::optional<std::string> light, lorry, people;
 };
 
 Size parse_size(const std::string& text) {
@@ -45,8 +50,12 @@ synthetic::LorryAhead parse_gaps(const std::string& text) {
   return {.nearest = nearest, .farthest = farthest};
 }
 
+void refuse(bool given, const char* option, const char* scene) {
+  if (given) throw UsageError(fmt::format("{} is not for --scene {}", option, scene));
+}
+
 synthetic::StreetSettings street_of(const SynthOptions& options) {
-  synthetic::StreetSettings street = synthetic::street_preset(options.preset);
+  synthetic::StreetSettings street = synthetic::street_preset(options.preset.value_or("street"));
   street.parked_cars = options.parked.value_or(street.parked_cars);
   street.traffic = options.traffic.value_or(street.traffic);
   if (options.moving) street.moving = options.moving;
@@ -63,57 +72,105 @@ synthetic::StreetSettings street_of(const SynthOptions& options) {
   return street;
 }
 
-void run_synth(SynthOptions options) {
-  synthetic::SequenceSettings& settings = options.sequence;
+std::unique_ptr<synthetic::Sequence> make_street(const SynthOptions& options) {
+  refuse(options.people.has_value(), "--people", "street");
   const bool rgbd = options.sensor == "rgbd";
-  settings.sensor = rgbd ? synthetic::Sensor::rgbd : synthetic::Sensor::stereo;
-  settings.size = parse_size(!options.size.empty() ? options.size : rgbd ? "640x480" : "620x188");
+  synthetic::SequenceSettings settings;
   settings.street = street_of(options);
-  synthetic::StreetSequence sequence(settings);
-  ProgressBar bar("Rendering", sequence.size());
+  settings.sensor = rgbd ? synthetic::Sensor::rgbd : synthetic::Sensor::stereo;
+  settings.path = options.path.value_or(settings.path);
+  settings.frames = options.frames;
+  settings.size = parse_size(options.size.value_or(rgbd ? "640x480" : "620x188"));
+  settings.seed = options.seed;
+  settings.annotations = options.annotations;
+  settings.colour = options.colour;
+  settings.depth = options.depth;
+  settings.disparity = options.disparity;
+  settings.flow = options.flow;
+  settings.amodal = options.amodal;
+  return std::make_unique<synthetic::StreetSequence>(settings);
+}
+
+std::unique_ptr<synthetic::Sequence> make_office(const SynthOptions& options) {
+  refuse(options.sensor == "stereo", "--sensor stereo", "office");
+  refuse(options.parked || options.traffic || options.moving || options.lorry,
+         "--parked, --traffic, --moving or --lorry", "office");
+  refuse(options.light || options.glare, "--light or --glare", "office");
+  refuse(options.disparity, "--disparity", "office");
+  synthetic::OfficeSettings settings = synthetic::office_preset(options.preset.value_or("walking-xyz"));
+  if (options.people) settings.people = synthetic::parse_people(*options.people);
+  settings.path = options.path.value_or(settings.path);
+  settings.frames = options.frames;
+  settings.size = parse_size(options.size.value_or("640x480"));
+  settings.seed = options.seed;
+  settings.texture = options.texture.value_or(settings.texture);
+  settings.exposure_change = options.exposure_change.value_or(settings.exposure_change);
+  settings.noise = options.noise.value_or(settings.noise);
+  settings.shutter = options.shutter.value_or(settings.shutter);
+  settings.annotations = options.annotations;
+  settings.flow = options.flow;
+  settings.amodal = options.amodal;
+  return std::make_unique<synthetic::OfficeSequence>(settings);
+}
+
+void run_synth(const SynthOptions& options) {
+  const std::unique_ptr<synthetic::Sequence> sequence =
+      options.scene == "office" ? make_office(options) : make_street(options);
+  const bool rgbd = sequence->recording().sensor == synthetic::Sensor::rgbd;
+  ProgressBar bar("Rendering", sequence->size());
   const auto progress = [&](int done) { bar.update(done); };
   if (rgbd) {
-    synthetic::write_tum_layout(sequence, options.out, options.overwrite, progress);
+    synthetic::write_tum_layout(*sequence, options.out, options.overwrite, progress);
   } else {
-    synthetic::write_kitti_layout(sequence, options.out, options.overwrite, progress);
+    synthetic::write_kitti_layout(*sequence, options.out, options.overwrite, progress);
   }
-  fmt::print("{} {} of {}x{} in {} ({:.1f} a second)\n", sequence.size(),
-             rgbd ? "RGB-D frames" : "stereo pairs", settings.size.width, settings.size.height,
-             options.out.string(), bar.rate());
+  fmt::print("{} {} of {}x{} in {} ({:.1f} a second)\n", sequence->size(),
+             rgbd ? "RGB-D frames" : "stereo pairs", sequence->image_size().width,
+             sequence->image_size().height, options.out.string(), bar.rate());
 }
 
 void add_output_options(CLI::App* command, SynthOptions& options) {
-  synthetic::SequenceSettings& sequence = options.sequence;
   command->add_option("--out", options.out, "Folder to write; new or empty")->required()->type_name("DIR");
   command->add_flag("--overwrite", options.overwrite, "Replace the sequence in a folder that is not empty");
-  command->add_option("--sensor", options.sensor, "stereo: KITTI layout; rgbd: TUM layout, noisy depth")
-      ->check(CLI::IsMember({"stereo", "rgbd"}))
-      ->capture_default_str();
   command
-      ->add_option("--frames", sequence.frames, "Frames at 10 per second; default 60, or all of a pose file")
+      ->add_option("--sensor", options.sensor,
+                   "stereo: KITTI layout; rgbd: TUM layout, noisy depth (default: stereo; office: rgbd)")
+      ->check(CLI::IsMember({"stereo", "rgbd"}));
+  command
+      ->add_option("--frames", options.frames,
+                   "Frames; street: 10 per second, default 60; office: 30 per second, default 300, twolaps "
+                   "1500; or all of a pose file")
       ->check(CLI::Range(1, 20000))
       ->type_name("N");
   command->add_option("--size", options.size, "Image size in pixels; default 620x188, or 640x480 for rgbd")
       ->type_name("WxH");
-  command->add_flag("--colour", sequence.colour, "Write colour images as well (image_2, image_3)");
-  command->add_flag("--depth", sequence.depth, "Write depth of the left image (16-bit PNG, 256 = 1 m)");
-  command->add_flag("--disparity", sequence.disparity, "Write its disparity (16-bit PNG, 256 = 1 pixel)");
-  command->add_flag("--flow", sequence.flow, "Write its optical flow to the next frame (KITTI's 16-bit PNG)");
-  command->add_flag("--annotations", sequence.annotations,
+  command->add_flag("--colour", options.colour, "Write colour images as well (image_2, image_3)");
+  command->add_flag("--depth", options.depth, "Write depth of the left image (16-bit PNG, 256 = 1 m)");
+  command->add_flag("--disparity", options.disparity, "Write its disparity (16-bit PNG, 256 = 1 pixel)");
+  command->add_flag("--flow", options.flow, "Write its optical flow to the next frame (KITTI's 16-bit PNG)");
+  command->add_flag("--annotations", options.annotations,
                     "Write annotations/instances.json: COCO instances with amodal masks and occlusion");
-  command->add_flag("--amodal", sequence.amodal, "Write the whole mask of every object as an image");
+  command->add_flag("--amodal", options.amodal, "Write the whole mask of every object as an image");
 }
 
-void add_street_options(CLI::App* command, SynthOptions& options) {
-  command->add_option("--preset", options.preset, "easy, street, crowded, lorry or lorry-close")
+void add_scene_options(CLI::App* command, SynthOptions& options) {
+  command->add_option("--scene", options.scene, "street, or office: a room with people, by RGB-D")
+      ->check(CLI::IsMember({"street", "office"}))
       ->capture_default_str()
       ->type_name("NAME");
   command
-      ->add_option("--path", options.sequence.path,
-                   "Where to drive: block, eight, straight, or a KITTI pose file")
-      ->capture_default_str()
+      ->add_option(
+          "--preset", options.preset,
+          "street: easy, street, crowded, lorry or lorry-close; office: walking- or sitting- with xyz, "
+          "static, rpy or halfsphere; desk, twolaps (default: street; office: walking-xyz)")
+      ->type_name("NAME");
+  command
+      ->add_option(
+          "--path", options.path,
+          "street: block, eight, straight, or a KITTI pose file; office: still, xyz, rpy, halfsphere, "
+          "desk, twolaps, or a TUM pose file (default: block; office: the preset's)")
       ->type_name("PATH");
-  command->add_option("--seed", options.sequence.seed, "Another seed makes another street")
+  command->add_option("--seed", options.seed, "Another seed makes another street or office")
       ->capture_default_str()
       ->type_name("N");
   const char* group = "In place of the preset's values";
@@ -128,9 +185,13 @@ void add_street_options(CLI::App* command, SynthOptions& options) {
       ->group(group);
   number("--texture", options.texture, "Contrast of the noise on surfaces, 0..2; 1 is natural");
   command->add_option("--light", options.light, "sun, overcast or evening")->type_name("NAME")->group(group);
+  command->add_option("--people", options.people, "In the office: walking, sitting or none")
+      ->type_name("NAME")
+      ->group(group);
   number("--exposure-change", options.exposure_change, "How far the exposure hunts, 0..1");
   number("--noise", options.noise, "Sigma of the image noise, grey levels");
-  number("--motion-blur", options.shutter, "Seconds that the shutter is open, 0..0.1 (7 times as slow)");
+  number("--motion-blur", options.shutter,
+         "Seconds that the shutter is open, 0..0.1, office 0..0.033 (7 times as slow)");
   number("--glare", options.glare, "Stray light: veil, ghosts of the sun, sparkles; 0..1");
 }
 
@@ -138,18 +199,20 @@ void add_street_options(CLI::App* command, SynthOptions& options) {
 
 void add_synth_command(CLI::App& app) {
   auto options = std::make_shared<SynthOptions>();
-  CLI::App* command =
-      app.add_subcommand("synth", "Make a synthetic drive with ground truth (KITTI or TUM layout)");
+  CLI::App* command = app.add_subcommand(
+      "synth", "Make a synthetic drive or office recording with ground truth (KITTI or TUM layout)");
   add_output_options(command, *options);
-  add_street_options(command, *options);
+  add_scene_options(command, *options);
   command->footer(
       "Examples:\n"
       "  penumbra synth --out out/street\n"
       "  penumbra synth --frames 300 --preset crowded --seed 7 --colour --annotations --out out/crowded\n"
       "  penumbra synth --path kitti/poses/07.txt --size 1241x376 --out out/07\n"
       "  penumbra synth --path eight --frames 1150 --preset lorry --light overcast --out out/lorry\n"
-      "  penumbra synth --sensor rgbd --moving 0.3 --out out/rgbd\n\n"
-      "docs/synthetic-street.md describes the files and the street.");
+      "  penumbra synth --sensor rgbd --moving 0.3 --out out/rgbd\n"
+      "  penumbra synth --scene office --preset walking-xyz --seed 3 --out out/walking_xyz\n"
+      "  penumbra synth --scene office --preset sitting-rpy --annotations --flow --out out/sitting_rpy\n\n"
+      "docs/synthetic-street.md and docs/synthetic-office.md describe the files and the worlds.");
   command->callback([options] { run_synth(*options); });
 }
 

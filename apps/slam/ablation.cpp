@@ -15,6 +15,7 @@
 #include "slam/pipeline/recorder.h"
 #include "slam/sources/open_dataset.h"
 #include "slam/sources/prefetcher.h"
+#include "slam/world/layouts.h"
 #include "slam/world/street_sequence.h"
 
 namespace penumbra::apps {

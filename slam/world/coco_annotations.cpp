@@ -47,11 +47,12 @@ void CocoWriter::add(const std::string& file_name, const std::vector<InstanceMas
 
 std::string CocoWriter::finish() const {
   std::string categories;
-  for (int id = 1; id < kObjectClasses; ++id) {
-    append(categories, {{"id", id}, {"name", name_of(static_cast<ObjectClass>(id))}});
+  for (const ObjectClass object_class : catalogue_.classes) {
+    append(categories, {{"id", static_cast<int>(object_class)}, {"name", name_of(object_class)}});
   }
-  return "{\"info\": {\"description\": \"The synthetic street of Penumbra\"},\n\"images\": [" + image_text_ +
-         "],\n\"categories\": [" + categories + "],\n\"annotations\": [" + annotation_text_ + "]}\n";
+  return "{\"info\": {\"description\": \"" + std::string(catalogue_.description) + "\"},\n\"images\": [" +
+         image_text_ + "],\n\"categories\": [" + categories + "],\n\"annotations\": [" + annotation_text_ +
+         "]}\n";
 }
 
 }  // namespace penumbra::slam::synthetic

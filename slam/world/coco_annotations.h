@@ -1,7 +1,8 @@
-// The street's ground truth as COCO instances JSON, which `penumbra eval-coco` and pycocotools read.
+// Ground truth as COCO instances JSON, which `penumbra eval-coco` and pycocotools read.
 //
 //   images       {id, file_name (relative to the output folder), width, height}; ids count from 1
-//   categories   1 person, 2 cyclist, 3 car, 4 truck, 5 sign: the numbers of ObjectClass
+//   categories   those of the world's catalogue, such as 1 person, 2 cyclist, 3 car, 4 truck, 5 sign: the
+//                numbers of ObjectClass
 //   annotations  {id, image_id, category_id, iscrowd 0,
 //                 bbox, area, segmentation:                 of the visible mask (compressed run lengths)
 //                 amodal_bbox, amodal_segmentation:         of the whole object inside the image
@@ -24,7 +25,8 @@ constexpr int kMinVisiblePixels = 20;
 
 class CocoWriter {
  public:
-  explicit CocoWriter(const Size& size) : size_(size) {}
+  explicit CocoWriter(const Size& size, const Catalogue& catalogue = kStreetCatalogue)
+      : size_(size), catalogue_(catalogue) {}
 
   void add(const std::string& file_name, const std::vector<InstanceMasks>& instances);
   // The whole file. About 700 bytes an annotation.
@@ -32,6 +34,7 @@ class CocoWriter {
 
  private:
   Size size_;
+  Catalogue catalogue_;
   int images_ = 0, annotations_ = 0;
   std::string image_text_, annotation_text_;
 };

@@ -103,19 +103,19 @@ Rect FrameGeometry::project_hull(const Eigen::Vector3f* corners, int count) cons
 
 void FrameGeometry::place(int object_number, double time) {
   const Object& object = world_->objects[static_cast<std::size_t>(object_number)];
-  const GroundPose pose = pose_at(*world_, object, time);
-  const Eigen::Vector2d to_object =
-      pose.position - Eigen::Vector2d(camera_position_.x(), camera_position_.z());
+  const SE3 T_wo = placement_at(*world_, object, time);
+  const Eigen::Vector2d to_object(T_wo.translation.x() - camera_position_.x(),
+                                  T_wo.translation.z() - camera_position_.z());
   const double size = (object.upper - object.lower).cast<double>().norm();
   if (to_object.norm() - size > kFarDistance) return;
   // Behind the camera by more than its size and its longest shadow: neither can be in view.
   const Eigen::Vector3d forward = world_from_camera_.col(2).cast<double>();
   if (to_object.x() * forward.x() + to_object.y() * forward.z() < -2.5 * size - 2.0) return;
 
-  const Eigen::Matrix3d world_from_local = rotation_of(pose.heading);
-  const Eigen::Vector3d local_in_world(pose.position.x(), 0.0, pose.position.y());
+  const Eigen::Matrix3d& world_from_local = T_wo.rotation;
   const Eigen::Matrix3f R = (world_from_camera_.cast<double>().transpose() * world_from_local).cast<float>();
-  const Eigen::Vector3d camera_in_local = world_from_local.transpose() * (camera_position_ - local_in_world);
+  const Eigen::Vector3d camera_in_local =
+      world_from_local.transpose() * (camera_position_ - T_wo.translation);
 
   FrameObject placed;
   placed.object = object_number;
@@ -206,13 +206,15 @@ void FrameGeometry::cast_within(const FrameBody& body, std::int32_t number, RayB
   if (begin < end) cast_body(body, number, batch, begin, end);
 }
 
-void FrameGeometry::cast_alone(int number, RayBatch& batch, int count) const {
+void FrameGeometry::cast_alone(std::span<const int> numbers, RayBatch& batch, int count) const {
   for (int i = 0; i < count; ++i) {
     batch.depth[i] = 1e9F;
     batch.surface[i] = kSky;
   }
-  for (const int b : object_bodies_[static_cast<std::size_t>(number)]) {
-    cast_within(bodies_[static_cast<std::size_t>(b)], b, batch, count);
+  for (const int number : numbers) {
+    for (const int b : object_bodies_[static_cast<std::size_t>(number)]) {
+      cast_within(bodies_[static_cast<std::size_t>(b)], b, batch, count);
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "nn/image/image.h"
@@ -56,10 +57,10 @@ class FrameGeometry {
   // Sets depth and surface of the first `count` rays of `batch` (x and y given), all within the tile.
   void cast(int tile, RayBatch& batch, int count) const;
 
-  // The same with nothing in the world but frame object `number`: surface is kSky where a ray misses it. The
-  // rays lie within one row and run from left to right.
-  void cast_alone(int number, RayBatch& batch, int count) const;
-  // Pixels outside of which cast_alone finds nothing.
+  // The same with nothing in the world but frame objects `numbers`: surface is kSky where a ray misses them.
+  // The rays lie within one row and run from left to right.
+  void cast_alone(std::span<const int> numbers, RayBatch& batch, int count) const;
+  // Pixels outside of which cast_alone does not find `number`.
   Rect pixels_of(int number) const;
 
   int tiles_x() const { return tiles_x_; }

@@ -5,15 +5,6 @@
 
 namespace penumbra::slam::synthetic {
 
-namespace {
-
-// The ground's plane placed under an object, as a motion of space.
-SE3 motion_of(const GroundPose& pose) {
-  return {rotation_of(pose.heading), {pose.position.x(), 0.0, pose.position.y()}};
-}
-
-}  // namespace
-
 WordImage encode_depth(const FloatImage& depth, float per_metre) {
   WordImage encoded(depth.width(), depth.height());
   for (int row = 0; row < depth.height(); ++row) {
@@ -43,12 +34,13 @@ FlowImage optical_flow(const World& world, const StereoCamera& camera, const Ren
   const SE3 next_from_world = next.T_wc.inverse();
   const SE3 still = next_from_world * now.T_wc;
   // Camera to camera, for points of each object that moves.
-  std::unordered_map<std::uint16_t, SE3> moving;
-  for (const Object& object : world.objects) {
+  std::unordered_map<std::int32_t, SE3> moving;
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const Object& object = world.objects[i];
     if (!object.motion.moves) continue;
-    const SE3 before = motion_of(pose_at(world, object, now.timestamp));
-    const SE3 after = motion_of(pose_at(world, object, next.timestamp));
-    moving[object.instance] = next_from_world * after * before.inverse() * now.T_wc;
+    const SE3 before = placement_at(world, object, now.timestamp);
+    const SE3 after = placement_at(world, object, next.timestamp);
+    moving[static_cast<std::int32_t>(i)] = next_from_world * after * before.inverse() * now.T_wc;
   }
   FlowImage flow(view.depth.width(), view.depth.height());
 #pragma omp parallel for schedule(static)
@@ -57,7 +49,7 @@ FlowImage optical_flow(const World& world, const StereoCamera& camera, const Ren
       const float z = view.depth.at(column, row);
       std::array<float, 3>& result = flow.at(column, row) = {0.0F, 0.0F, 0.0F};
       if (z <= 0.0F) continue;
-      const auto found = moving.find(view.instance.at(column, row));
+      const auto found = moving.find(view.object.at(column, row));
       const SE3& T = found == moving.end() ? still : found->second;
       const Eigen::Vector3d point = T * camera.back_project(column, row, static_cast<double>(z));
       if (point.z() < static_cast<double>(kNearDepth)) continue;

@@ -22,6 +22,7 @@ using FlowImage = Image<std::array<float, 3>>;  // (du, dv, valid), pixels
 // camera's motion and, on moving objects, their own make of it. Valid is 1 wherever the pixel has a depth and
 // the point lies before the camera at `next`, also where it has left the image or something hides it then.
 //   u' = project(T_next^-1 M_next M_now^-1 T_now back_project(u, v, Z)),   M = pose of the object, I if still
+// `view` must have its objects.
 FlowImage optical_flow(const World& world, const StereoCamera& camera, const RenderedView& view,
                        const TimedPose& now, const TimedPose& next);
 

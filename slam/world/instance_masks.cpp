@@ -1,6 +1,7 @@
 #include "slam/world/instance_masks.h"
 
 #include <algorithm>
+#include <map>
 
 namespace penumbra::slam::synthetic {
 
@@ -30,11 +31,14 @@ nn::Mask cropped(const ByteImage& mask, int x, int y, int& area) {
   return result;
 }
 
-InstanceMasks masks_of(const FrameGeometry& geometry, int number, const RenderedView& view) {
-  const FrameObject& placed = geometry.frame_object(number);
+// Of the instance whose parts are frame objects `numbers`.
+InstanceMasks masks_of(const FrameGeometry& geometry, const std::vector<int>& numbers,
+                       const RenderedView& view) {
+  const FrameObject& placed = geometry.frame_object(numbers.front());
   const Object& object = geometry.world().objects[static_cast<std::size_t>(placed.object)];
   const StereoCamera& camera = geometry.camera();
-  const Rect pixels = geometry.pixels_of(number);
+  Rect pixels;
+  for (const int number : numbers) pixels = bounding(pixels, geometry.pixels_of(number));
   ByteImage whole(pixels.width, pixels.height), visible(pixels.width, pixels.height);
   RayBatch batch;
   for (int row = 0; row < pixels.height; ++row) {
@@ -44,7 +48,7 @@ InstanceMasks masks_of(const FrameGeometry& geometry, int number, const Rendered
         batch.x[i] = static_cast<float>((pixels.x + from + i - camera.cx) / camera.fx);
         batch.y[i] = static_cast<float>((pixels.y + row - camera.cy) / camera.fy);
       }
-      geometry.cast_alone(number, batch, count);
+      geometry.cast_alone(numbers, batch, count);
       for (int i = 0; i < count; ++i) {
         const bool hit = batch.surface[i] != kSky;
         const bool seen = hit && view.instance.at(pixels.x + from + i, pixels.y + row) == object.instance;
@@ -67,24 +71,22 @@ InstanceMasks masks_of(const FrameGeometry& geometry, int number, const Rendered
 }  // namespace
 
 std::vector<InstanceMasks> find_instances(const FrameGeometry& geometry, const RenderedView& view) {
-  std::vector<int> numbers;
+  std::map<std::uint16_t, std::vector<int>> parts;  // frame objects of each instance
   for (int i = 0; i < geometry.frame_objects(); ++i) {
     const FrameObject& placed = geometry.frame_object(i);
-    if (geometry.world().objects[static_cast<std::size_t>(placed.object)].instance != 0 &&
-        !geometry.pixels_of(i).empty()) {
-      numbers.push_back(i);
-    }
+    const std::uint16_t instance = geometry.world().objects[static_cast<std::size_t>(placed.object)].instance;
+    if (instance != 0 && !geometry.pixels_of(i).empty()) parts[instance].push_back(i);
   }
-  std::vector<InstanceMasks> instances(numbers.size());
-  const int count = static_cast<int>(numbers.size());
+  std::vector<const std::vector<int>*> lists;
+  for (const auto& [instance, numbers] : parts) lists.push_back(&numbers);
+  std::vector<InstanceMasks> instances(lists.size());
+  const int count = static_cast<int>(lists.size());
 #pragma omp parallel for schedule(dynamic)
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    instances[k] = masks_of(geometry, numbers[k], view);
+    instances[k] = masks_of(geometry, *lists[k], view);
   }
   std::erase_if(instances, [](const InstanceMasks& masks) { return masks.whole_area == 0; });
-  std::sort(instances.begin(), instances.end(),
-            [](const InstanceMasks& a, const InstanceMasks& b) { return a.instance < b.instance; });
   return instances;
 }
 

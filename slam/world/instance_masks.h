@@ -1,7 +1,8 @@
 // The visible and the whole (amodal) mask of every annotated object in a view.
 //
-// The amodal mask is the object as it would be seen with nothing before it, inside the image: each object is
-// cast alone within its own rectangle, which costs about as many rays as the objects' rectangles have pixels.
+// An instance is all objects of its number. The amodal mask is the object as it would be seen with nothing
+// before it, inside the image: each object is cast alone within its own rectangle, which costs about as many
+// rays as the objects' rectangles have pixels.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,7 @@
 namespace penumbra::slam::synthetic {
 
 struct InstanceMasks {
-  int object = 0;  // in World::objects
+  int object = 0;  // in World::objects, the first in view where it has several parts
   std::uint16_t instance = 0;
   ObjectClass object_class = ObjectClass::background;
   bool moving = false;
@@ -24,7 +25,7 @@ struct InstanceMasks {
   float occlusion() const { return 1.0F - static_cast<float>(visible_area) / static_cast<float>(whole_area); }
 };
 
-// Every object with an instance number of which any pixel lies in the image, also those wholly hidden, in the
+// Every instance of which any pixel lies in the image, also those wholly hidden, in the
 // order of their numbers. `view` is what `geometry` was rendered to.
 std::vector<InstanceMasks> find_instances(const FrameGeometry& geometry, const RenderedView& view);
 

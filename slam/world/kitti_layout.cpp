@@ -1,4 +1,4 @@
-// Writes a street sequence as KITTI odometry lays its own out.
+// Writes a stereo sequence as KITTI odometry lays its own out.
 #include <omp.h>
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include "nn/base/file.h"
 #include "slam/world/coco_annotations.h"
 #include "slam/world/ground_truth_images.h"
+#include "slam/world/layouts.h"
 #include "slam/world/sequence_files.h"
-#include "slam/world/street_sequence.h"
 
 namespace penumbra::slam::synthetic {
 
@@ -36,14 +36,6 @@ void write_calibration(const fs::path& path, const StereoCamera& camera) {
   nn::write_file(path, text);
 }
 
-// For logs and reports, such as "synthetic street, block, seed 1".
-std::string name_of(const SequenceSettings& settings) {
-  const bool is_file = fs::path(settings.path).has_extension();
-  return fmt::format("synthetic street, {}, seed {}",
-                     is_file ? "along " + fs::path(settings.path).filename().string() : settings.path,
-                     settings.seed);
-}
-
 void write_trajectory(const fs::path& poses_path, const fs::path& times_path, const Trajectory& poses) {
   std::string rows, times;
   const SE3 first_from_world = poses.front().T_wc.inverse();
@@ -57,9 +49,9 @@ void write_trajectory(const fs::path& poses_path, const fs::path& times_path, co
 
 }  // namespace
 
-void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool overwrite,
+void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwrite,
                         const std::function<void(int)>& progress) {
-  const SequenceSettings& settings = sequence.settings();
+  const Recording& recording = sequence.recording();
   const fs::path root = folder / "sequences/00";
   std::vector<fs::path> earlier{"annotations/instances.json"};
   for (const char* name :
@@ -73,29 +65,29 @@ void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool o
     bool wanted;
     std::function<AnyImage()> image;
   };
-  StreetFrame frame;
+  SequenceFrame frame;
   const Output outputs[] = {
       {"image_0", true, [&] { return frame.left_grey; }},
       {"image_1", true, [&] { return frame.right_grey; }},
-      {"image_2", settings.colour, [&] { return frame.left_bgr; }},
-      {"image_3", settings.colour, [&] { return frame.right_bgr; }},
+      {"image_2", recording.colour, [&] { return frame.left_bgr; }},
+      {"image_3", recording.colour, [&] { return frame.right_bgr; }},
       {"instances", true, [&] { return frame.left.instance; }},
-      {"depth", settings.depth, [&] { return encode_depth(frame.left.depth, 256.0F); }},
-      {"disparity", settings.disparity,
+      {"depth", recording.depth, [&] { return encode_depth(frame.left.depth, 256.0F); }},
+      {"disparity", recording.disparity,
        [&] { return encode_disparity(frame.left.depth, sequence.camera()); }},
-      {"flow", settings.flow, [&] { return encode_flow(frame.flow); }},
+      {"flow", recording.flow, [&] { return encode_flow(frame.flow); }},
   };
   for (const Output& output : outputs) {
     if (output.wanted) make_folder(root / output.name);
   }
   make_folder(folder / "poses");
-  if (settings.annotations) make_folder(folder / "annotations");
-  nn::write_file(root / "name.txt", name_of(settings) + "\n");
+  if (recording.annotations) make_folder(folder / "annotations");
+  nn::write_file(root / "name.txt", sequence.name() + "\n");
   write_calibration(root / "calib.txt", sequence.camera());
   write_trajectory(folder / "poses/00.txt", root / "times.txt", sequence.poses());
   write_instance_list(root / "instances.json", sequence.world());
 
-  CocoWriter annotations(settings.size);
+  CocoWriter annotations(sequence.image_size(), sequence.world().catalogue);
   ImageWriter images(std::max(1, omp_get_max_threads() / 2));
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
@@ -104,22 +96,18 @@ void write_kitti_layout(StreetSequence& sequence, const fs::path& folder, bool o
       const bool no_next_frame = output.name == "flow" && i + 1 == sequence.size();
       if (output.wanted && !no_next_frame) images.write(root / output.name / name, output.image());
     }
-    if (settings.amodal) {
-      const fs::path masks = root / "amodal" / fmt::format("{:06d}", i);
-      make_folder(masks);
-      for (const InstanceMasks& instance : frame.instances) {
-        images.write(masks / fmt::format("{:05d}.png", instance.instance),
-                     mask_image(instance.whole, settings.size));
-      }
+    if (recording.amodal) {
+      write_whole_masks(images, root / "amodal" / fmt::format("{:06d}", i), frame.instances,
+                        sequence.image_size());
     }
-    if (settings.annotations) {
-      annotations.add(fmt::format("sequences/00/{}/{}", settings.colour ? "image_2" : "image_0", name),
+    if (recording.annotations) {
+      annotations.add(fmt::format("sequences/00/{}/{}", recording.colour ? "image_2" : "image_0", name),
                       frame.instances);
     }
     if (progress) progress(i + 1);
   }
   images.finish();
-  if (settings.annotations) nn::write_file(folder / "annotations/instances.json", annotations.finish());
+  if (recording.annotations) nn::write_file(folder / "annotations/instances.json", annotations.finish());
 }
 
 }  // namespace penumbra::slam::synthetic

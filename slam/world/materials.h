@@ -25,8 +25,24 @@ struct SurfacePoint {
 
 struct Appearance {
   Colour albedo = Colour::Constant(0.5F);
-  float gloss = 0.0F;  // share of the sky's mirror image at vertical view
+  float gloss = 0.0F;            // share of the sky's mirror image at vertical view
+  Colour glow = Colour::Zero();  // light of its own; indoors only
 };
+
+// The two axes in which a surface with that normal is best drawn.
+inline void drawing_axes(const Eigen::Vector3f& normal, int& a, int& b) {
+  const Eigen::Vector3f n = normal.cwiseAbs();
+  if (n.y() >= n.x() && n.y() >= n.z()) {
+    a = 0;
+    b = 2;
+  } else if (n.x() >= n.z()) {
+    a = 2;
+    b = 1;
+  } else {
+    a = 0;
+    b = 1;
+  }
+}
 
 // The ground at (x, z): asphalt with markings, patches, cracks and covers, kerbs, slabs, grass.
 Appearance ground_appearance(const World& world, const SurfacePoint& point);
@@ -38,6 +54,13 @@ Appearance car_appearance(const Material& material, const Body& body, int face, 
 Appearance lorry_appearance(const Material& material, const Body& body, const SurfacePoint& point);
 Appearance wheel_appearance(const Material& material, const Body& body, int face, const SurfacePoint& point);
 Appearance plain_appearance(const Material& material, const SurfacePoint& point);
+
+// Walls, furniture, screens and people of an office.
+Appearance office_appearance(const Material& material, const Body& body, int face, const SurfacePoint& point);
+// What an office's surface sends towards the camera: `position`, `normal` and `view` (from the camera) in the
+// world's frame, unit vectors. `sunlight`, which may be null, is told the share of the sun's light on it.
+Colour room_light(const World& world, const Appearance& look, const Eigen::Vector3f& position,
+                  const Eigen::Vector3f& normal, const Eigen::Vector3f& view, float* sunlight);
 
 // Light that comes from `direction` (unit, world frame): sky with clouds, hills at the horizon.
 Colour sky_light(const World& world, const Eigen::Vector3f& direction, float angular_footprint);

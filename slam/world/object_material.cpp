@@ -8,21 +8,6 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-// The two axes in which a surface with that normal is best drawn.
-void drawing_axes(const Eigen::Vector3f& normal, int& a, int& b) {
-  const Eigen::Vector3f n = normal.cwiseAbs();
-  if (n.y() >= n.x() && n.y() >= n.z()) {
-    a = 0;
-    b = 2;
-  } else if (n.x() >= n.z()) {
-    a = 2;
-    b = 1;
-  } else {
-    a = 0;
-    b = 1;
-  }
-}
-
 // Distance from a point of face `face` to the nearest of the body's other faces that meet it at an edge.
 float edge_distance(const Body& body, int face, const Eigen::Vector3f& p) {
   float nearest = std::numeric_limits<float>::max();

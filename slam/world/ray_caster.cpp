@@ -15,6 +15,7 @@ void RayCaster::render(const StereoCamera& camera, const SE3& T_wc, double time,
   view.instance.create(camera.width, camera.height);
   surfaces_.create(camera.width, camera.height);
   if (view.wants_reflectance) view.reflectance.create(camera.width, camera.height);
+  if (view.wants_objects) view.object.create(camera.width, camera.height);
   const int tiles = geometry_.tiles();
 #pragma omp parallel
   {
@@ -41,11 +42,10 @@ void RayCaster::find_surfaces(int tile, RenderedView& view) {
       const std::int32_t surface = batch.surface[i];
       surfaces_.at(column, row) = surface;
       view.depth.at(column, row) = surface == kSky ? 0.0F : batch.depth[i];
+      const std::int32_t object = surface < 0 ? -1 : geometry_.object(geometry_.body(surface)).object;
       view.instance.at(column, row) =
-          surface < 0
-              ? std::uint16_t{0}
-              : world_.objects[static_cast<std::size_t>(geometry_.object(geometry_.body(surface)).object)]
-                    .instance;
+          object < 0 ? std::uint16_t{0} : world_.objects[static_cast<std::size_t>(object)].instance;
+      if (view.wants_objects) view.object.at(column, row) = object;
     }
   }
 }
@@ -154,7 +154,7 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
   const float ray_length = ray.norm();
   const Eigen::Matrix3f& world_from_camera = geometry_.world_from_camera();
   const Eigen::Vector3f view = world_from_camera * ray * (1.0F / ray_length);
-  if (reflectance != nullptr) *reflectance = {0.0F, 0.0F};
+  if (reflectance != nullptr) *reflectance = {0.0F, 0.0F, 0.0F};
   if (surface == kSky) return sky_light(world_, view, pixel_);
 
   SurfacePoint point;
@@ -219,7 +219,15 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
         look = wheel_appearance(material, body, face, point);
         break;
       default:
-        look = plain_appearance(material, point);
+        look = material.surface >= Surface::painted_wall ? office_appearance(material, body, face, point)
+                                                         : plain_appearance(material, point);
+    }
+    if (world_.room) {
+      if (reflectance != nullptr) *reflectance = {look.albedo.mean(), look.gloss, 0.0F};
+      const Eigen::Vector3f place =
+          (geometry_.camera_position() + (world_from_camera * camera_point).cast<double>()).cast<float>();
+      return room_light(world_, look, place, normal, view,
+                        reflectance != nullptr ? &(*reflectance)[2] : nullptr);
     }
     if (material.surface == Surface::leaves && body.round) {
       // Crowns are bright above and dark below and inside; a rough surface scatters light round its edges.
@@ -234,7 +242,10 @@ Colour RayCaster::shade(float x, float y, float depth, std::int32_t surface, int
   const float up = 0.5F - 0.5F * normal.y();
   const Colour around = world_.sky_colour * (0.45F + 0.55F * up) + Colour(0.13F, 0.12F, 0.10F) * (1.0F - up);
   Colour light = look.albedo.cwiseProduct(around * ambient + world_.sun_colour * lambert);
-  if (reflectance != nullptr) (*reflectance)[0] = look.albedo.mean();
+  if (reflectance != nullptr) {
+    (*reflectance)[0] = look.albedo.mean();
+    (*reflectance)[2] = lambert;
+  }
   if (look.gloss > 0.0F) {
     const float facing = clamp01(-normal.dot(view));
     const float grazing = 1.0F - facing;

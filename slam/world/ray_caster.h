@@ -13,8 +13,8 @@
 
 namespace penumbra::slam::synthetic {
 
-// Grey albedo and share of light that is mirrored.
-using Reflectance = std::array<float, 2>;
+// Grey albedo, share of light that is mirrored, share of the sun's light that falls on it.
+using Reflectance = std::array<float, 3>;
 
 struct RenderedView {
   Image<Colour> radiance;  // linear red, green, blue
@@ -22,6 +22,8 @@ struct RenderedView {
   WordImage instance;      // Object::instance, 0 = background
   bool wants_reflectance = false;
   Image<Reflectance> reflectance;  // where wants_reflectance
+  bool wants_objects = false;
+  Image<std::int32_t> object;  // number in World::objects, -1 = none; where wants_objects
 };
 
 class RayCaster {

@@ -5,6 +5,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "slam/world/ground_truth_images.h"
 
 namespace penumbra::slam::synthetic {
 
@@ -95,6 +96,14 @@ void ImageWriter::work() {
     --busy_;
     if (failure && !failure_) failure_ = failure;
     changed_.notify_all();
+  }
+}
+
+void write_whole_masks(ImageWriter& images, const fs::path& folder,
+                       const std::vector<InstanceMasks>& instances, const Size& size) {
+  make_folder(folder);
+  for (const InstanceMasks& instance : instances) {
+    images.write(folder / fmt::format("{:05d}.png", instance.instance), mask_image(instance.whole, size));
   }
 }
 

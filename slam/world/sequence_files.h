@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "nn/image/image.h"
+#include "slam/world/instance_masks.h"
 #include "slam/world/world.h"
 
 namespace penumbra::slam::synthetic {
@@ -55,5 +56,9 @@ class ImageWriter {
   std::exception_ptr failure_;
   std::vector<std::thread> threads_;
 };
+
+// folder/IIIII.png for every instance I: 8 bits, 255 on the whole of it. Makes the folder.
+void write_whole_masks(ImageWriter& images, const std::filesystem::path& folder,
+                       const std::vector<InstanceMasks>& instances, const Size& size);
 
 }  // namespace penumbra::slam::synthetic

@@ -1,29 +1,18 @@
 #include "slam/world/street_sequence.h"
 
-#include <algorithm>
-#include <cmath>
+#include <filesystem>
+#include <utility>
 
 #include "nn/base/error.h"
-#include "slam/world/depth_sensor.h"
-#include "slam/world/ground_truth_images.h"
-#include "slam/world/noise.h"
 
 namespace penumbra::slam::synthetic {
 
 namespace {
 
-constexpr int kDefaultFrames = 60, kMaxFrames = 20000;
-constexpr int kMinSide = 32, kMaxSide = 8192;  // pixels
+constexpr int kDefaultFrames = 60;
 
-SequenceSettings checked(SequenceSettings settings) {
-  const auto fits = [](int side) { return side >= kMinSide && side <= kMaxSide; };
-  if (!fits(settings.size.width) || !fits(settings.size.height)) {
-    throw UsageError(fmt::format("--size: expected {0}x{0} to {1}x{1}, found {2}x{3}", kMinSide, kMaxSide,
-                                 settings.size.width, settings.size.height));
-  }
-  if (settings.frames < 0 || settings.frames > kMaxFrames) {
-    throw UsageError(fmt::format("--frames: expected 1 to {}, found {}", kMaxFrames, settings.frames));
-  }
+const SequenceSettings& checked(const SequenceSettings& settings) {
+  check_extent(settings.size, settings.frames);
   settings.street.check();
   if (settings.sensor == Sensor::rgbd &&
       (settings.colour || settings.depth || settings.disparity || settings.flow || settings.amodal)) {
@@ -41,14 +30,37 @@ Drive drive_of(const SequenceSettings& settings) {
   return make_drive(settings.path, settings.frames == 0 ? kDefaultFrames : settings.frames);
 }
 
-// sum += share * light, of images of the same size.
-void add_share(const Image<Colour>& light, float share, Image<Colour>& sum) {
-  for (std::size_t i = 0; i < sum.elements(); ++i) sum.data()[i] += share * light.data()[i];
+// For logs and reports, such as "synthetic street, block, seed 1".
+std::string name_of(const SequenceSettings& settings) {
+  const bool is_file = std::filesystem::path(settings.path).has_extension();
+  return fmt::format(
+      "synthetic street, {}, seed {}",
+      is_file ? "along " + std::filesystem::path(settings.path).filename().string() : settings.path,
+      settings.seed);
 }
 
-SE3 right_of(SE3 T_wc, const StereoCamera& camera) {
-  T_wc.translation += camera.baseline * T_wc.rotation.col(0);
-  return T_wc;
+Scene scene_of(const SequenceSettings& settings) {
+  Drive drive = drive_of(checked(settings));
+  return {.world = build_street(drive, settings.street, settings.seed),
+          .camera = street_camera(settings.size),
+          .poses = std::move(drive.poses),
+          .rate = kFrameRate,
+          .name = name_of(settings)};
+}
+
+Recording recording_of(const SequenceSettings& settings) {
+  return {.sensor = settings.sensor,
+          .seed = settings.seed,
+          .annotations = settings.annotations,
+          .colour = settings.colour,
+          .depth = settings.depth,
+          .disparity = settings.disparity,
+          .flow = settings.flow,
+          .amodal = settings.amodal,
+          .exposure_change = settings.street.exposure_change,
+          .noise = settings.street.noise,
+          .shutter = settings.street.shutter,
+          .glare = settings.street.glare};
 }
 
 }  // namespace
@@ -66,88 +78,6 @@ StereoCamera street_camera(const Size& size) {
 }
 
 StreetSequence::StreetSequence(const SequenceSettings& settings)
-    : settings_(checked(settings)),
-      camera_(street_camera(settings.size)),
-      drive_(drive_of(settings_)),
-      world_(build_street(drive_, settings_.street, settings_.seed)),
-      left_(world_),
-      right_(world_) {}
-
-SE3 StreetSequence::pose_at_time(double time) const {
-  const Trajectory& poses = drive_.poses;
-  if (poses.size() < 2) return poses.front().T_wc;
-  const int frame = static_cast<int>(std::floor(time * kFrameRate));
-  const auto i = static_cast<std::size_t>(std::clamp(frame, 0, static_cast<int>(poses.size()) - 2));
-  const SE3 step = poses[i].T_wc.inverse() * poses[i + 1].T_wc;
-  const double share = time * kFrameRate - static_cast<double>(i);
-  return poses[i].T_wc * SE3::exp(share * step.log());
-}
-
-// Replaces the light of both views by its mean over the time that the shutter is open; the frame's own time
-// is in the middle.
-void StreetSequence::blur(int i, StreetFrame& frame) {
-  constexpr int kSamples = 6;
-  const double time = drive_.poses[static_cast<std::size_t>(i)].timestamp;
-  frame.left.radiance.fill(Colour::Zero());
-  if (settings_.sensor == Sensor::stereo) frame.right.radiance.fill(Colour::Zero());
-  for (int k = 0; k < kSamples; ++k) {
-    const double at = time + static_cast<double>(settings_.street.shutter) * ((k + 0.5) / kSamples - 0.5);
-    const SE3 T_wc = pose_at_time(at);
-    left_.render(camera_, T_wc, at, blurred_);
-    add_share(blurred_.radiance, 1.0F / kSamples, frame.left.radiance);
-    if (settings_.sensor == Sensor::rgbd) continue;
-    right_.render(camera_, right_of(T_wc, camera_), at, blurred_);
-    add_share(blurred_.radiance, 1.0F / kSamples, frame.right.radiance);
-  }
-}
-
-void StreetSequence::add_stray_light(int i, StreetFrame& frame) const {
-  const SE3& T_wc = drive_.poses[static_cast<std::size_t>(i)].T_wc;
-  const Eigen::Vector3f to_sun = T_wc.rotation.transpose().cast<float>() * world_.to_sun;
-  const auto seed = [&](std::uint32_t camera) {
-    return hash_of(settings_.seed, static_cast<std::uint32_t>(i), 0x61a4eU + camera);
-  };
-  add_glare(frame.left.radiance, camera_, to_sun, world_.sun_colour, settings_.street.glare, seed(0));
-  if (settings_.sensor == Sensor::rgbd) return;
-  add_glare(frame.right.radiance, camera_, to_sun, world_.sun_colour, settings_.street.glare, seed(1));
-}
-
-void StreetSequence::render(int i, StreetFrame& frame) {
-  const TimedPose& pose = drive_.poses[static_cast<std::size_t>(i)];
-  const bool stereo = settings_.sensor == Sensor::stereo;
-  frame.left.wants_reflectance = !stereo;
-  left_.render(camera_, pose.T_wc, pose.timestamp, frame.left);
-  if (stereo) right_.render(camera_, right_of(pose.T_wc, camera_), pose.timestamp, frame.right);
-
-  // Ground truth is that of the middle of the exposure; only light is blurred.
-  if (settings_.annotations || settings_.amodal) {
-    frame.instances = find_instances(left_.geometry(), frame.left);
-  }
-  if (settings_.flow && i + 1 < size()) {
-    frame.flow =
-        optical_flow(world_, camera_, frame.left, pose, drive_.poses[static_cast<std::size_t>(i) + 1]);
-  }
-  if (settings_.street.shutter > 0.0F) blur(i, frame);
-  if (settings_.street.glare > 0.0F) add_stray_light(i, frame);
-
-  const float exposure = automatic_exposure(frame.left.radiance, pose.timestamp,
-                                            settings_.street.exposure_change, settings_.seed);
-  std::uint32_t image = 0;
-  const auto sensor = [&] {
-    return SensorSettings{.exposure = exposure,
-                          .noise = settings_.street.noise,
-                          .noise_seed = hash_of(settings_.seed, static_cast<std::uint32_t>(i), image++)};
-  };
-  if (!stereo) {
-    develop_bgr(frame.left.radiance, sensor(), frame.left_bgr);
-    sense_depth(frame.left, camera_, sensor().noise_seed, frame.sensed_depth);
-    return;
-  }
-  develop_grey(frame.left.radiance, sensor(), frame.left_grey);
-  develop_grey(frame.right.radiance, sensor(), frame.right_grey);
-  if (!settings_.colour) return;
-  develop_bgr(frame.left.radiance, sensor(), frame.left_bgr);
-  develop_bgr(frame.right.radiance, sensor(), frame.right_bgr);
-}
+    : Sequence(scene_of(settings), recording_of(settings)) {}
 
 }  // namespace penumbra::slam::synthetic

@@ -1,24 +1,51 @@
-// Writes an RGB-D drive as the TUM RGB-D benchmark lays its own out.
+// Writes an RGB-D sequence as the TUM RGB-D benchmark lays its own out.
 #include <omp.h>
 
 #include <algorithm>
+#include <map>
 
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/world/coco_annotations.h"
 #include "slam/world/ground_truth_images.h"
+#include "slam/world/layouts.h"
 #include "slam/world/sequence_files.h"
-#include "slam/world/street_sequence.h"
 
 namespace penumbra::slam::synthetic {
 
-void write_tum_layout(StreetSequence& sequence, const std::filesystem::path& folder, bool overwrite,
+namespace {
+
+namespace fs = std::filesystem;
+
+// Levels a metre, as in the benchmark.
+constexpr float kDepthFactor = 5000.0F;
+
+}  // namespace
+
+void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite,
                       const std::function<void(int)>& progress) {
-  constexpr float kDepthFactor = 5000.0F;  // levels a metre, as in the benchmark
-  prepare_folder(folder, overwrite, {"rgb", "depth", "instances", "annotations/instances.json"});
-  if (sequence.settings().annotations) make_folder(folder / "annotations");
-  for (const char* name : {"rgb", "depth", "instances"}) make_folder(folder / name);
+  const Recording& recording = sequence.recording();
+  SequenceFrame frame;
+  struct Output {
+    std::string name;
+    bool wanted;
+    std::function<AnyImage()> image;
+  };
+  const Output outputs[] = {
+      {"rgb", true, [&] { return frame.left_bgr; }},
+      {"depth", true, [&] { return encode_depth(frame.sensed_depth, kDepthFactor); }},
+      {"instances", true, [&] { return frame.left.instance; }},
+      {"depth_clean", recording.depth, [&] { return encode_depth(frame.left.depth, kDepthFactor); }},
+      {"flow", recording.flow, [&] { return encode_flow(frame.flow); }},
+  };
+  std::vector<fs::path> earlier{"amodal", "annotations/instances.json"};
+  for (const Output& output : outputs) earlier.emplace_back(output.name);
+  prepare_folder(folder, overwrite, earlier);
+  for (const Output& output : outputs) {
+    if (output.wanted) make_folder(folder / output.name);
+  }
+  if (recording.annotations) make_folder(folder / "annotations");
   const StereoCamera& camera = sequence.camera();
   nn::write_file(
       folder / "calibration.yaml",
@@ -26,7 +53,7 @@ void write_tum_layout(StreetSequence& sequence, const std::filesystem::path& fol
                   "0 = no depth.\nwidth: {}\nheight: {}\nfx: {:.6f}\nfy: {:.6f}\ncx: {:.6f}\n"
                   "cy: {:.6f}\ndepth_factor: {}\nrate: {}\n",
                   camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, kDepthFactor,
-                  kFrameRate));
+                  sequence.rate()));
   write_instance_list(folder / "instances.json", sequence.world());
 
   Trajectory from_first = sequence.poses();
@@ -34,26 +61,28 @@ void write_tum_layout(StreetSequence& sequence, const std::filesystem::path& fol
   for (TimedPose& pose : from_first) pose.T_wc = first_from_world * pose.T_wc;
   write_tum_trajectory(folder / "groundtruth.txt", from_first);
 
-  std::string colour_list = "# timestamp filename\n", depth_list = colour_list;
-  StreetFrame frame;
-  CocoWriter annotations(sequence.settings().size);
+  std::map<std::string, std::string> lists{{"rgb", ""}, {"depth", ""}};
+  if (recording.depth) lists["depth_clean"] = "";
+  for (auto& [name, list] : lists) list = "# timestamp filename\n";
+  CocoWriter annotations(sequence.image_size(), sequence.world().catalogue);
   ImageWriter images(std::max(1, omp_get_max_threads() / 2));
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
     const std::string time = fmt::format("{:.6f}", from_first[static_cast<std::size_t>(i)].timestamp);
-    images.write(folder / "rgb" / (time + ".png"), frame.left_bgr);
-    images.write(folder / "depth" / (time + ".png"), encode_depth(frame.sensed_depth, kDepthFactor));
-    images.write(folder / "instances" / (time + ".png"), frame.left.instance);
-    if (sequence.settings().annotations) annotations.add("rgb/" + time + ".png", frame.instances);
-    colour_list += fmt::format("{0} rgb/{0}.png\n", time);
-    depth_list += fmt::format("{0} depth/{0}.png\n", time);
+    for (const Output& output : outputs) {
+      const bool no_next_frame = output.name == "flow" && i + 1 == sequence.size();
+      if (output.wanted && !no_next_frame)
+        images.write(folder / output.name / (time + ".png"), output.image());
+    }
+    if (recording.amodal)
+      write_whole_masks(images, folder / "amodal" / time, frame.instances, sequence.image_size());
+    if (recording.annotations) annotations.add("rgb/" + time + ".png", frame.instances);
+    for (auto& [name, list] : lists) list += fmt::format("{0} {1}/{0}.png\n", time, name);
     if (progress) progress(i + 1);
   }
   images.finish();
-  if (sequence.settings().annotations)
-    nn::write_file(folder / "annotations/instances.json", annotations.finish());
-  nn::write_file(folder / "rgb.txt", colour_list);
-  nn::write_file(folder / "depth.txt", depth_list);
+  if (recording.annotations) nn::write_file(folder / "annotations/instances.json", annotations.finish());
+  for (const auto& [name, list] : lists) nn::write_file(folder / (name + ".txt"), list);
 }
 
 }  // namespace penumbra::slam::synthetic

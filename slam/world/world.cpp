@@ -6,9 +6,22 @@
 
 namespace penumbra::slam::synthetic {
 
+namespace {
+
+using enum ObjectClass;
+constexpr ObjectClass kStreetClasses[] = {person, cyclist, car, truck, sign};
+constexpr ObjectClass kOfficeClasses[] = {person, chair,  tv,           keyboard, mouse, cup,
+                                          book,   bottle, potted_plant, backpack, box};
+
+}  // namespace
+
+const Catalogue kStreetCatalogue{"The synthetic street of Penumbra", kStreetClasses};
+const Catalogue kOfficeCatalogue{"The synthetic office of Penumbra", kOfficeClasses};
+
 const char* name_of(ObjectClass object_class) {
-  static constexpr const char* kNames[kObjectClasses] = {"background", "person", "cyclist",
-                                                         "car",        "truck",  "sign"};
+  static constexpr const char* kNames[kObjectClasses] = {
+      "background", "person", "cyclist", "car",  "truck",  "sign",         "chair",    "tv",
+      "keyboard",   "mouse",  "cup",     "book", "bottle", "potted plant", "backpack", "box"};
   return kNames[static_cast<int>(object_class)];
 }
 
@@ -37,6 +50,12 @@ GroundPose pose_at(const World& world, const Object& object, double time) {
   GroundPose pose = world.route.at(arc, object.motion.right);
   if (object.motion.speed < 0.0) pose.heading += std::numbers::pi;
   return pose;
+}
+
+SE3 placement_at(const World& world, const Object& object, double time) {
+  if (object.motion.placement) return object.motion.placement(time);
+  const GroundPose pose = pose_at(world, object, time);
+  return {rotation_of(pose.heading), {pose.position.x(), 0.0, pose.position.y()}};
 }
 
 Eigen::Matrix3d rotation_of(double heading) {

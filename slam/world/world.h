@@ -7,8 +7,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "slam/geometry/se3.h"
 #include "slam/world/body.h"
 #include "slam/world/road_map.h"
 #include "slam/world/route.h"
@@ -29,6 +33,19 @@ enum class Surface : std::uint8_t {
   cloth,
   sign,
   lorry,
+  // Indoors, see office_material.cpp.
+  painted_wall,
+  ceiling,
+  carpet,
+  wood,
+  poster,
+  screen,
+  keys,
+  spines,
+  window,
+  lamp,
+  garment,
+  skin,
 };
 
 // The rhythm of a facade, in metres.
@@ -51,7 +68,7 @@ struct CarStyle {
 struct Material {
   Surface surface = Surface::matte;
   Colour colour = Colour::Constant(0.5F);
-  Colour accent = Colour::Constant(0.5F);  // doors, shutters, curtains, rims
+  Colour accent = Colour::Constant(0.5F);  // doors, shutters, curtains, rims; a garment's pattern
   std::uint32_t seed = 0;
   FacadeStyle facade;
   CarStyle car;
@@ -64,10 +81,28 @@ enum class ObjectClass : std::uint8_t {
   cyclist = 2,
   car = 3,
   truck = 4,
-  sign = 5
+  sign = 5,
+  chair = 6,
+  tv = 7,  // monitors
+  keyboard = 8,
+  mouse = 9,
+  cup = 10,
+  book = 11,
+  bottle = 12,
+  potted_plant = 13,
+  backpack = 14,
+  box = 15
 };
-constexpr int kObjectClasses = 6;
+constexpr int kObjectClasses = 16;
+// COCO's name where COCO has the class.
 const char* name_of(ObjectClass object_class);
+
+// What annotations of a world say about it.
+struct Catalogue {
+  const char* description;
+  std::span<const ObjectClass> classes;
+};
+extern const Catalogue kStreetCatalogue, kOfficeCatalogue;
 
 // Driving along the world's route: at constant speed (a negative one drives against the route's direction),
 // or leading the camera at a distance that swings between two values.
@@ -78,11 +113,13 @@ struct Motion {
   double right = 0.0;  // metres to the right of the route
   bool leads = false;
   double nearest = 0.0, farthest = 0.0;  // metres along the route ahead of the camera, where it leads
+  // Any rigid motion, in place of all that: T_world_object at a time in seconds. Limbs have one each.
+  std::function<SE3(double)> placement = {};
 };
 
 struct Object {
   ObjectClass object_class = ObjectClass::background;
-  std::uint16_t instance = 0;  // 0 = background, else unique in the world
+  std::uint16_t instance = 0;  // 0 = background; objects that share one are parts of one thing
   int first_body = 0, body_count = 0;
   GroundPose pose;  // where it stands unless it moves
   Motion motion;
@@ -90,8 +127,32 @@ struct Object {
   float sunlight = 1.0F;  // share of the sun that houses leave to it
 };
 
+// The top of a desk, which keeps light from what is below it.
+struct Shelter {
+  float x = 0.0F, y = 0.0F, z = 0.0F;                      // its middle, world frame
+  Eigen::Matrix2f to_local = Eigen::Matrix2f::Identity();  // (x, z) of the world to those of the desk
+  float half_x = 0.0F, half_z = 0.0F;
+};
+
+// A closed room with its lights; room_light.cpp says how it is lit. Metres, world frame.
+struct Room {
+  static constexpr float kLampHalfX = 0.6F, kLampHalfZ = 0.15F;
+
+  Eigen::Vector3f lower = Eigen::Vector3f::Zero(), upper = Eigen::Vector3f::Zero();
+  // Windows are in the wall x = lower.x: panes between two heights, one every window_step along z.
+  float window_top = 0.0F, window_bottom = 0.0F;  // y
+  float window_first = 0.0F, window_width = 1.2F, window_step = 1.6F;
+  int windows = 0;
+  std::vector<Eigen::Vector2f> lamps;  // (x, z) of their middles, on the ceiling
+  float lamp_light = 0.9F;             // of a white surface that faces up
+  bool sunny = false;                  // the sun shines in
+  std::vector<Shelter> shelters;
+};
+
 struct World {
   std::uint32_t seed = 0;
+  Catalogue catalogue = kStreetCatalogue;
+  std::optional<Room> room;        // empty: under the sky
   Route route;                     // the camera's track, which moving objects follow
   std::vector<double> camera_arc;  // along the route, one per frame
   RoadMap road_map;                // markings, kerbs and pavements follow it
@@ -114,8 +175,9 @@ constexpr float kParkedCentre = 4.42F;  // parked cars
 constexpr float kKerb = 5.5F;           // the road ends
 constexpr float kPavementEnd = 8.2F;    // gardens and houses begin
 
-// Where `object` is at `time` seconds.
+// Where `object` is at `time` seconds; the first for those that keep to the ground.
 GroundPose pose_at(const World& world, const Object& object, double time);
+SE3 placement_at(const World& world, const Object& object, double time);
 // Rotation of an object with that heading: its axes in the world's frame.
 Eigen::Matrix3d rotation_of(double heading);
 // Adds `bodies` as one object and computes its bounding box; the pose is left to the caller.

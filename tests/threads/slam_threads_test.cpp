@@ -27,7 +27,7 @@ const std::vector<StereoImages>& drive(int frames, StereoCamera& camera) {
   synthetic::StreetSequence street(settings);
   camera = street.camera();
   for (int i = static_cast<int>(images.size()); i < frames; ++i) {
-    synthetic::StreetFrame frame;
+    synthetic::SequenceFrame frame;
     street.render(i, frame);
     images.push_back({i, 0.1 * i, frame.left_grey.clone(), frame.right_grey.clone(), {}});
   }

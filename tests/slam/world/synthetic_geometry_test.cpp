@@ -17,7 +17,7 @@ TEST(SyntheticGeometry, DepthOfTheLeftImageLandsOnTheSameSurfaceInTheRight) {
   std::mt19937 random(1);
   int compared = 0, wrong = 0;
   for (const int i : {0, 25, 50}) {
-    StreetFrame frame;
+    SequenceFrame frame;
     street.render(i, frame);
     const TimedPose& pose = street.poses()[static_cast<std::size_t>(i)];
     FrameGeometry right;
@@ -43,7 +43,7 @@ TEST(SyntheticGeometry, DepthOfTheLeftImageLandsOnTheSameSurfaceInTheRight) {
 TEST(SyntheticGeometry, TheRightDepthMapIsTheLeftOneShiftedByDisparity) {
   StreetSequence street({});
   const StereoCamera& camera = street.camera();
-  StreetFrame frame;
+  SequenceFrame frame;
   street.render(10, frame);
   const double bf = camera.fx * camera.baseline;
   std::vector<double> errors;
@@ -70,7 +70,7 @@ TEST(SyntheticGeometry, TheRightDepthMapIsTheLeftOneShiftedByDisparity) {
 TEST(SyntheticGeometry, TheGroundLiesWhereThePoseSaysItDoes) {
   StreetSequence street({});
   const StereoCamera& camera = street.camera();
-  StreetFrame frame;
+  SequenceFrame frame;
   street.render(5, frame);
   const TimedPose& pose = street.poses()[5];
   FrameGeometry geometry;
@@ -94,7 +94,7 @@ TEST(SyntheticGeometry, InstanceMasksCoverExactlyTheirObjects) {
   const StereoCamera& camera = street.camera();
   int masked = 0;
   for (const int i : {0, 20, 40}) {
-    StreetFrame frame;
+    SequenceFrame frame;
     street.render(i, frame);
     const TimedPose& pose = street.poses()[static_cast<std::size_t>(i)];
     // Where a pixel's point lies in an object's own frame, against the object's box.
@@ -128,7 +128,7 @@ TEST(SyntheticGeometry, InstanceMasksCoverExactlyTheirObjects) {
 TEST(SyntheticGeometry, MovingCarsMoveAsTheirMotionSays) {
   StreetSequence street({.street = street_preset("crowded")});
   const StereoCamera& camera = street.camera();
-  StreetFrame frame;
+  SequenceFrame frame;
   street.render(8, frame);
   const TimedPose& now = street.poses()[8];
   const TimedPose& next = street.poses()[9];
@@ -161,7 +161,7 @@ TEST(SyntheticGeometry, MovingCarsMoveAsTheirMotionSays) {
 TEST(SyntheticGeometry, ImageMotionFollowsTheGroundTruthPoses) {
   StreetSequence street({});
   const StereoCamera& camera = street.camera();
-  StreetFrame first, second;
+  SequenceFrame first, second;
   street.render(3, first);
   street.render(4, second);
   const SE3 T_21 = street.poses()[4].T_wc.inverse() * street.poses()[3].T_wc;

@@ -36,7 +36,7 @@ std::vector<InstanceMasks> masks_in(const World& world, const StereoCamera& came
 
 TEST(SyntheticMasks, VisibleMasksAreTheIdImageAndLieInsideTheWholeOnes) {
   StreetSequence street({.street = street_preset("crowded"), .annotations = true});
-  StreetFrame frame;
+  SequenceFrame frame;
   int hidden = 0;
   for (const int i : {0, 30}) {
     street.render(i, frame);

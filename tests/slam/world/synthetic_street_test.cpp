@@ -22,7 +22,7 @@ std::uint64_t hash_of_frames(std::uint32_t seed, int threads) {
   const int before = omp_get_max_threads();
   omp_set_num_threads(threads);
   StreetSequence street({.size = {310, 94}, .seed = seed, .colour = true});
-  StreetFrame frame;
+  SequenceFrame frame;
   std::uint64_t hash = 1;
   for (const int i : {0, 17, 42}) {
     street.render(i, frame);
@@ -44,7 +44,7 @@ TEST(SyntheticStreet, TheSameSeedGivesTheSameBytesForAnyNumberOfThreads) {
 
 TEST(SyntheticStreet, FramesDoNotDependOnTheOrderInWhichTheyAreRendered) {
   StreetSequence street({.size = {310, 94}});
-  StreetFrame forth, back;
+  SequenceFrame forth, back;
   street.render(1, forth);
   street.render(30, back);
   street.render(1, back);
@@ -54,7 +54,7 @@ TEST(SyntheticStreet, FramesDoNotDependOnTheOrderInWhichTheyAreRendered) {
 TEST(SyntheticStreet, CornersAreManyAndSpreadOverTheImage) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     StreetSequence street({.seed = seed});
-    StreetFrame frame;
+    SequenceFrame frame;
     for (const int i : {0, 25, 50}) {
       street.render(i, frame);
       std::vector<cv::KeyPoint> corners;
@@ -260,7 +260,7 @@ TEST(SyntheticStreet, PathsThatNoCarDrivesStillRender) {
   const std::string path = (folder / "poses.txt").string();
   const auto render = [&] {
     StreetSequence street({.path = path, .size = {64, 48}});
-    StreetFrame frame;
+    SequenceFrame frame;
     for (int i = 0; i < street.size(); i += 7) street.render(i, frame);
     return street.size();
   };
@@ -288,7 +288,7 @@ TEST(SyntheticStreet, SettingsThatMakeNoSenseAreUsageErrors) {
 
 TEST(SyntheticStreet, ASmallImageAndOneFrameWork) {
   StreetSequence street({.path = "straight", .frames = 1, .size = {33, 37}});
-  StreetFrame frame;
+  SequenceFrame frame;
   street.render(0, frame);
   EXPECT_EQ(frame.left_grey.size(), (Size{33, 37}));
 }

@@ -17,7 +17,7 @@ namespace {
 
 TEST(SyntheticTruth, FlowOfWhatStandsStillIsThatOfThePoses) {
   StreetSequence street({.flow = true});
-  StreetFrame frame;
+  SequenceFrame frame;
   street.render(30, frame);  // in a bend
   const SE3 motion = street.poses()[31].T_wc.inverse() * street.poses()[30].T_wc;
   int compared = 0;
@@ -42,7 +42,7 @@ TEST(SyntheticTruth, FlowOfWhatStandsStillIsThatOfThePoses) {
 
 TEST(SyntheticTruth, FlowLeadsToTheSameObjectInTheNextFrame) {
   StreetSequence street({.street = street_preset("crowded"), .flow = true});
-  StreetFrame now, next;
+  SequenceFrame now, next;
   street.render(12, now);
   street.render(13, next);
   int on_objects = 0, same = 0;
@@ -66,7 +66,7 @@ TEST(SyntheticTruth, FlowLeadsToTheSameObjectInTheNextFrame) {
 
 TEST(SyntheticTruth, TheLastFrameHasNoFlow) {
   StreetSequence street({.path = "straight", .frames = 2, .size = {64, 48}, .flow = true});
-  StreetFrame first, last;
+  SequenceFrame first, last;
   street.render(0, first);
   EXPECT_FALSE(first.flow.empty());
   street.render(1, last);
@@ -97,7 +97,7 @@ TEST(SyntheticTruth, EncodedImagesFollowTheirFormats) {
 
 TEST(SyntheticTruth, DepthNoiseOfTheRgbdSensorGrowsWithTheSquareOfDepth) {
   StreetSequence street({.sensor = Sensor::rgbd, .size = {640, 480}});
-  StreetFrame frame;
+  SequenceFrame frame;
   street.render(0, frame);
   EXPECT_TRUE(frame.left_grey.empty());
   ASSERT_EQ(frame.left_bgr.size(), (Size{640, 480}));
@@ -152,7 +152,7 @@ std::vector<double> share_of_lorry(const char* preset, int frames) {
   }
   EXPECT_NE(id, 0);
   std::vector<double> shares;
-  StreetFrame frame;
+  SequenceFrame frame;
   for (int i = 0; i < frames; i += 6) {
     street.render(i, frame);
     const std::uint16_t* ids = frame.left.instance.data();
@@ -196,7 +196,7 @@ TEST(SyntheticTruth, TheShareOfMovingCarsIsWhatIsAskedFor) {
 TEST(SyntheticTruth, SettingsChangeWhatTheyShould) {
   const auto image = [](const StreetSettings& settings) {
     StreetSequence street({.street = settings, .path = "straight", .size = {310, 94}});
-    StreetFrame frame;
+    SequenceFrame frame;
     street.render(3, frame);
     return test::to_mat(frame.left_grey);
   };
@@ -247,7 +247,7 @@ TEST(SyntheticTruth, ValuesOutOfRangeAreUsageErrors) {
 TEST(SyntheticTruth, OrbFindsFeaturesAtAllDepths) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     StreetSequence street({.size = {1241, 376}, .seed = seed});
-    StreetFrame frame;
+    SequenceFrame frame;
     street.render(20, frame);
     Features features;
     OrbExtractor({}).extract(frame.left_grey, features);
