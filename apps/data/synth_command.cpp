@@ -30,7 +30,7 @@ struct SynthOptions {
   bool overwrite = false;
   // What replaces the preset's values.
   std::optional<float> parked, traffic, moving, texture, exposure_change, noise, shutter, glare;
-  std::optional<std::string> light, lorry, people;
+  std::optional<std::string> light, lorry, people, depth_sensor;
 };
 
 Size parse_size(const std::string& text) {
@@ -73,7 +73,7 @@ synthetic::StreetSettings street_of(const SynthOptions& options) {
 }
 
 std::unique_ptr<synthetic::Sequence> make_street(const SynthOptions& options) {
-  refuse(options.people.has_value(), "--people", "street");
+  refuse(options.people || options.depth_sensor, "--people or --depth-sensor", "street");
   const bool rgbd = options.sensor == "rgbd";
   synthetic::SequenceSettings settings;
   settings.street = street_of(options);
@@ -99,6 +99,11 @@ std::unique_ptr<synthetic::Sequence> make_office(const SynthOptions& options) {
   refuse(options.disparity, "--disparity", "office");
   synthetic::OfficeSettings settings = synthetic::office_preset(options.preset.value_or("walking-xyz"));
   if (options.people) settings.people = synthetic::parse_people(*options.people);
+  if (options.depth_sensor == "simple") {
+    settings.depth_camera.reset();
+  } else if (options.depth_sensor) {
+    settings.depth_camera = synthetic::depth_camera(*options.depth_sensor);
+  }
   settings.path = options.path.value_or(settings.path);
   settings.frames = options.frames;
   settings.size = parse_size(options.size.value_or("640x480"));
@@ -186,6 +191,12 @@ void add_scene_options(CLI::App* command, SynthOptions& options) {
   number("--texture", options.texture, "Contrast of the noise on surfaces, 0..2; 1 is natural");
   command->add_option("--light", options.light, "sun, overcast or evening")->type_name("NAME")->group(group);
   command->add_option("--people", options.people, "In the office: walking, sitting or none")
+      ->type_name("NAME")
+      ->group(group);
+  command
+      ->add_option(
+          "--depth-sensor", options.depth_sensor,
+          "In the office: kinect (v1, as TUM's; the preset's), d435 or simple (noise and shadow only)")
       ->type_name("NAME")
       ->group(group);
   number("--exposure-change", options.exposure_change, "How far the exposure hunts, 0..1");

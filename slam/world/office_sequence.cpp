@@ -59,7 +59,8 @@ Recording office_recording(const OfficeSettings& settings) {
           .amodal = settings.amodal,
           .exposure_change = settings.exposure_change,
           .noise = settings.noise,
-          .shutter = settings.shutter};
+          .shutter = settings.shutter,
+          .depth_camera = settings.depth_camera};
 }
 
 }  // namespace

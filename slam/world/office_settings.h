@@ -1,9 +1,11 @@
 // All that can be chosen about the office, who is in it and the camera that films it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "nn/image/image.h"
+#include "slam/world/depth_camera.h"
 
 namespace penumbra::slam::synthetic {
 
@@ -21,6 +23,7 @@ struct OfficeSettings {
   float noise = 1.8F;             // sigma, grey levels
   float shutter = 0.0F;           // seconds that the shutter is open; 0: no motion blur
   float texture = 1.0F;           // contrast of the noise on surfaces
+  std::optional<DepthCameraSettings> depth_camera = DepthCameraSettings{};  // empty: that of depth_sensor.h
   bool annotations = false, flow = false, amodal = false;
 
   // Throws UsageError, naming the option, for values outside their range.

@@ -39,7 +39,9 @@ void check_extent(const Size& size, int frames) {
 }
 
 Sequence::Sequence(Scene scene, const Recording& recording)
-    : scene_(std::move(scene)), recording_(recording), left_(scene_.world), right_(scene_.world) {}
+    : scene_(std::move(scene)), recording_(recording), left_(scene_.world), right_(scene_.world) {
+  if (recording_.depth_camera) depth_camera_.emplace(*recording_.depth_camera, recording_.seed);
+}
 
 SE3 Sequence::pose_at_time(double time) const {
   const Trajectory& poses = scene_.poses;
@@ -85,7 +87,7 @@ void Sequence::render(int i, SequenceFrame& frame) {
   const TimedPose& pose = scene_.poses[static_cast<std::size_t>(i)];
   const StereoCamera& camera = scene_.camera;
   const bool stereo = recording_.sensor == Sensor::stereo;
-  frame.left.wants_reflectance = !stereo;
+  frame.left.wants_reflectance = !stereo && !depth_camera_;
   frame.left.wants_objects = recording_.flow;
   left_.render(camera, pose.T_wc, pose.timestamp, frame.left);
   if (stereo) right_.render(camera, right_camera_of(pose.T_wc, camera), pose.timestamp, frame.right);
@@ -111,7 +113,11 @@ void Sequence::render(int i, SequenceFrame& frame) {
   };
   if (!stereo) {
     develop_bgr(frame.left.radiance, sensor(), frame.left_bgr);
-    sense_depth(frame.left, camera, sensor().noise_seed, frame.sensed_depth);
+    if (depth_camera_) {
+      depth_camera_->sense(frame.left.depth, frame.left_bgr, i, frame.sensed_depth);
+    } else {
+      sense_depth(frame.left, camera, sensor().noise_seed, frame.sensed_depth);
+    }
     return;
   }
   develop_grey(frame.left.radiance, sensor(), frame.left_grey);

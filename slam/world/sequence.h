@@ -4,9 +4,11 @@
 // a frame comes of one is the same for all of them.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "slam/world/camera_sensor.h"
+#include "slam/world/depth_camera.h"
 #include "slam/world/ground_truth_images.h"
 #include "slam/world/instance_masks.h"
 #include "slam/world/ray_caster.h"
@@ -38,6 +40,8 @@ struct Recording {
   float noise = 1.3F;            // sigma, grey levels
   float shutter = 0.0F;          // seconds that the shutter is open; 0: no motion blur
   float glare = 0.0F;            // share of the light of sun and sky that strays over the image
+  std::optional<DepthCameraSettings>
+      depth_camera;  // of Sensor::rgbd; empty: the simple one of depth_sensor.h
 };
 
 struct SequenceFrame {
@@ -77,6 +81,7 @@ class Sequence {
   Scene scene_;
   Recording recording_;
   RayCaster left_, right_;
+  std::optional<DepthCamera> depth_camera_;
   RenderedView blurred_;  // scratch
 };
 

@@ -60,7 +60,8 @@ Recording recording_of(const SequenceSettings& settings) {
           .exposure_change = settings.street.exposure_change,
           .noise = settings.street.noise,
           .shutter = settings.street.shutter,
-          .glare = settings.street.glare};
+          .glare = settings.street.glare,
+          .depth_camera = {}};
 }
 
 }  // namespace

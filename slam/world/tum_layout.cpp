@@ -18,14 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Levels a metre, as in the benchmark.
-constexpr float kDepthFactor = 5000.0F;
+constexpr float kLevelsAMetre = 5000.0F;  // as in the benchmark
 
 }  // namespace
 
 void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite,
                       const std::function<void(int)>& progress) {
   const Recording& recording = sequence.recording();
+  const float factor = recording.depth_camera ? recording.depth_camera->levels_a_metre : kLevelsAMetre;
   SequenceFrame frame;
   struct Output {
     std::string name;
@@ -34,9 +34,9 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
   };
   const Output outputs[] = {
       {"rgb", true, [&] { return frame.left_bgr; }},
-      {"depth", true, [&] { return encode_depth(frame.sensed_depth, kDepthFactor); }},
+      {"depth", true, [&] { return encode_sensed_depth(frame.sensed_depth, factor); }},
       {"instances", true, [&] { return frame.left.instance; }},
-      {"depth_clean", recording.depth, [&] { return encode_depth(frame.left.depth, kDepthFactor); }},
+      {"depth_clean", recording.depth, [&] { return encode_depth(frame.left.depth, factor); }},
       {"flow", recording.flow, [&] { return encode_flow(frame.flow); }},
   };
   std::vector<fs::path> earlier{"amodal", "annotations/instances.json"};
@@ -52,7 +52,7 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
       fmt::format("# A pinhole camera without distortion; depth images: level / depth_factor = metres, "
                   "0 = no depth.\nwidth: {}\nheight: {}\nfx: {:.6f}\nfy: {:.6f}\ncx: {:.6f}\n"
                   "cy: {:.6f}\ndepth_factor: {}\nrate: {}\n",
-                  camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, kDepthFactor,
+                  camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, factor,
                   sequence.rate()));
   write_instance_list(folder / "instances.json", sequence.world());
 
