@@ -183,10 +183,10 @@ Posture Performance::posture_at(double time) const {
     const double swing = std::sin(phase);
     const auto channel = static_cast<std::uint32_t>(10 * side);
     // Legs: the knee bends while the leg swings forwards (Winter: up to about 60 degrees).
-    p.hip[side] = stand * gait * (0.06 + 0.40 * swing) + sit * (1.48 + 0.05 * drift(channel, 0.2));
+    p.hip[side] = stand * gait * (0.06 + 0.40 * swing) + sit * (1.27 + 0.05 * drift(channel, 0.2));
     const double lift = std::max(0.0, std::cos(phase));
     p.knee[side] =
-        stand * gait * (0.10 + 0.85 * lift * lift) + sit * (1.35 + 0.25 * drift(channel + 1, 0.25));
+        stand * gait * (0.10 + 0.85 * lift * lift) + sit * (1.20 + 0.25 * drift(channel + 1, 0.25));
     p.spread[side] = 0.03 + sit * (0.14 + 0.06 * drift(channel + 2, 0.2));
     // Arms swing against the legs; seated they rest on the thighs or gesture.
     const double talk = std::max(0.0, 0.3 + drift(channel + 3, 0.35)) * gesture;
@@ -212,7 +212,8 @@ Posture Performance::posture_at(double time) const {
   p.turn = 0.6 * (0.3 + 0.7 * gesture) * drift(43, 0.4);
   p.nod = 0.08 + 0.18 * gesture * drift(44, 0.7);
   const double seat = kSeatHeight + 0.075 * build_.stature;
-  p.pelvis_height = blend_of(standing_height(p, build_.stature), seat, smooth(sit));
+  const double leg = standing_height(p, build_.stature);  // higher, or the feet would be below the floor
+  p.pelvis_height = std::max(leg, blend_of(leg, seat, smooth(sit)));
   return p;
 }
 

@@ -12,7 +12,19 @@ namespace penumbra::slam::synthetic {
 
 namespace {
 
-// The share of places at which value noise in three dimensions is below a value, as a table over [-1, 1].
+// Smooth noise over an image that changes with `t`: two images of value noise, faded so that the variance
+// stays the same.
+float lasting_noise(float x, float y, float t, std::uint32_t seed) {
+  const int step = floor_int(t);
+  const float weight = t - static_cast<float>(step);
+  const auto image = [&](int number) {
+    return value_noise(x, y, hash_of(seed, static_cast<std::uint32_t>(number)));
+  };
+  const float norm = 1.0F / std::sqrt(weight * weight + (1.0F - weight) * (1.0F - weight));
+  return norm * mix(image(step), image(step + 1), weight);
+}
+
+// The share of places at which lasting_noise is below a value, as a table over [-1, 1].
 float share_below(float value) {
   constexpr int kBins = 256;
   static const std::array<float, kBins + 1> table = [] {
@@ -22,7 +34,7 @@ float share_below(float value) {
     for (int i = 0; i < kSamples; ++i) {
       const float x = random.uniform(0.0F, 500.0F), y = random.uniform(0.0F, 500.0F),
                   z = random.uniform(0.0F, 500.0F);
-      const int bin = static_cast<int>((0.5F + 0.5F * value_noise(x, y, z, 5U)) * kBins);
+      const int bin = static_cast<int>((0.5F + 0.5F * lasting_noise(x, y, z, 5U)) * kBins);
       shares[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1)) + 1] += 1.0F / kSamples;
     }
     for (std::size_t i = 0; i < kBins; ++i) shares[i + 1] += shares[i];
@@ -76,10 +88,10 @@ DepthCameraSettings depth_camera(const std::string& name) {
   settings.patch_size = 8.0F;
   settings.patch_rate = 0.9F;
   settings.noise_near = settings.noise_far = 0.027F;
-  settings.wide = 16;
+  settings.wide = 13;
   settings.narrow = 5;
-  settings.wide_share = 0.95F;
-  settings.narrow_share = 0.05F;
+  settings.wide_share = 0.92F;
+  settings.narrow_share = 0.08F;
   settings.flying_share = 0.0F;
   settings.disparity_step = 1.0F / 32.0F;
   settings.band_left = settings.band_right = settings.band_top = settings.band_bottom = 0;
@@ -217,7 +229,7 @@ bool DepthCamera::is_lost(float z, float grey, int column, int row, int number, 
   const float bend = 0.45F * value_noise(1.9F * u, 1.9F * v, seed_ + 19U);
   const float x = u + bend, y = v - bend, t = settings_.patch_rate * static_cast<float>(number);
   const auto patch = [&](std::uint32_t channel) {
-    return share_below(value_noise(x, y, t, seed_ + channel));
+    return share_below(lasting_noise(x, y, t, seed_ + channel));
   };
   const float dark =
       settings_.dark_share * (1.0F - smooth_step(settings_.dark_level, 1.75F * settings_.dark_level, grey));
@@ -226,7 +238,7 @@ bool DepthCamera::is_lost(float z, float grey, int column, int row, int number, 
   const float lost = 1.0F - (1.0F - dark) * (1.0F - glare) * (1.0F - far) * (1.0F - settings_.scatter_share);
   if (settings_.saturated_share > 0.0F && (z > 3.0F || grey > 250.0F)) {
     // Rarer and larger blobs than those of other holes.
-    const float blob = share_below(value_noise(0.3F * x, 0.3F * y, 0.1F * t, seed_ + 21U));
+    const float blob = share_below(lasting_noise(0.3F * x, 0.3F * y, 0.1F * t, seed_ + 21U));
     if (blob < settings_.saturated_share) {
       saturated = true;
       return false;

@@ -46,7 +46,10 @@ int garment(World& world, RandomSequence& random, const Colour& colour, const Co
 Materials dress(World& world, RandomSequence& random) {
   Materials materials;
   const Colour shirt = pick_dye(random);
-  const Colour pattern = pick_dye(random);
+  // A pattern that stands out.
+  Colour pattern = pick_dye(random);
+  if (std::abs(pattern.mean() - shirt.mean()) < 0.2F)
+    pattern = Colour::Constant(shirt.mean() > 0.25F ? 0.04F : 0.6F);
   materials.shirt = garment(world, random, shirt, pattern);
   const Colour skin = Colour(0.58F, 0.38F, 0.28F) * random.uniform(0.35F, 1.1F);
   materials.skin = plain_material(world, random, skin, Surface::skin);

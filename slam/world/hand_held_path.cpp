@@ -70,7 +70,7 @@ SE3 pose_of(const HandHeldPath& path, double time, double share) {
     pose.rotation = pose.rotation * so3_exp(angles);
     pose.translation += 0.03 * Eigen::Vector3d(slow(1, 4.0), slow(2, 4.5), slow(3, 5.0));
   } else if (path.kind == "halfsphere") {
-    const double azimuth = 0.95 * slow(1, 7.0), height = 0.35 + 0.40 * slow(2, 5.0);
+    const double azimuth = 1.15 * slow(1, 7.0), height = 0.35 + 0.40 * slow(2, 5.0);
     const Eigen::Vector3d centre = path.stand + 0.5 * held.rotation.col(2);
     const Eigen::Vector3d out =
         held.rotation * Eigen::Vector3d(std::sin(azimuth) * std::cos(height), -std::sin(height),

@@ -238,6 +238,12 @@ Appearance office_appearance(const Material& material, const Body& body, int fac
     case Surface::garment:
       look.albedo = garment_at(material, point);
       break;
+    case Surface::plastic: {
+      const float dirt = fractal_noise(p[at.a], p[at.b], at.detail, {0.3F, 5, 0.6F}, material.seed);
+      look.albedo *= 1.0F + 0.04F * texture * dirt;
+      look.gloss = 0.04F;
+      break;
+    }
     case Surface::skin: {
       const float tone = fractal_noise(p.x(), p.y(), p.z(), at.detail, {0.04F, 3, 0.7F}, material.seed);
       look.albedo *= 1.0F + 0.08F * texture * tone;

@@ -55,7 +55,8 @@ Object& add_thing(World& world, const std::vector<Body>& bodies, ObjectClass obj
 
 Object& add_desk(World& world, RandomSequence& random, float width, float depth) {
   const int top = office_material(world, random, Surface::wood, pick_wood(random));
-  const int metal = plain_material(world, random, Colour::Constant(random.uniform(0.1F, 0.5F)));
+  const int metal =
+      office_material(world, random, Surface::plastic, Colour::Constant(random.uniform(0.1F, 0.5F)));
   const float hx = 0.5F * width, hz = 0.5F * depth;
   std::vector<Body> bodies{block(0.0F, 0.0F, hx, hz, kDeskHeight - 0.03F, kDeskHeight, top)};
   for (const float sx : {-1.0F, 1.0F}) {
@@ -72,7 +73,7 @@ Object& add_desk(World& world, RandomSequence& random, float width, float depth)
 Object& add_partition(World& world, RandomSequence& random, float width, float height) {
   const Colour colour = random.chance(0.5F) ? Colour(0.42F, 0.32F, 0.20F) : pick_paint(random) * 0.7F;
   const int cloth = office_material(world, random, Surface::painted_wall, colour);
-  const int frame = plain_material(world, random, Colour::Constant(0.35F));
+  const int frame = office_material(world, random, Surface::plastic, Colour::Constant(0.35F));
   return add_thing(world,
                    {block(0.0F, 0.0F, 0.5F * width, 0.025F, 0.05F, height, cloth),
                     block(0.0F, 0.0F, 0.5F * width, 0.03F, height, height + 0.025F, frame),
@@ -85,7 +86,8 @@ Object& add_chair(World& world, RandomSequence& random, bool swivels) {
   const int seat = random.chance(0.5F)
                        ? office_material(world, random, Surface::wood, {0.55F, 0.36F, 0.16F})
                        : plain_material(world, random, pick_paint(random) * 0.5F, Surface::cloth);
-  const int metal = plain_material(world, random, Colour::Constant(random.uniform(0.03F, 0.4F)));
+  const int metal =
+      office_material(world, random, Surface::plastic, Colour::Constant(random.uniform(0.03F, 0.4F)));
   std::vector<Body> bodies{block(0.0F, 0.0F, 0.22F, 0.21F, 0.42F, 0.46F, seat)};
   // The back leans a little.
   Body back = make_swept({{-0.20F, -0.58F}, {-0.17F, -0.58F}, {-0.24F, -0.95F}, {-0.27F, -0.95F}}, 0.20F);
@@ -118,7 +120,8 @@ Object& add_monitor(World& world, RandomSequence& random, float h) {
   const bool lit = random.chance(0.35F);
   const int screen = office_material(world, random, Surface::screen, Colour::Constant(0.012F),
                                      lit ? pick_paint(random) : Colour(Colour::Zero()));
-  const int shell = plain_material(world, random, Colour::Constant(random.chance(0.6F) ? 0.02F : 0.45F));
+  const int shell =
+      office_material(world, random, Surface::plastic, Colour::Constant(random.chance(0.6F) ? 0.02F : 0.45F));
   const float half = random.uniform(0.22F, 0.30F), tall = half * random.uniform(1.15F, 1.3F);
   const float low = h + random.uniform(0.08F, 0.14F);
   return add_thing(world,
@@ -136,7 +139,8 @@ Object& add_keyboard(World& world, RandomSequence& random, float h) {
 }
 
 Object& add_mouse(World& world, RandomSequence& random, float h) {
-  const int shell = plain_material(world, random, Colour::Constant(random.uniform(0.02F, 0.3F)));
+  const int shell =
+      office_material(world, random, Surface::plastic, Colour::Constant(random.uniform(0.02F, 0.3F)));
   return add_thing(world,
                    {with_material(make_ellipsoid({0.0F, -h - 0.012F, 0.0F}, {0.03F, 0.02F, 0.052F}), shell)},
                    ObjectClass::mouse);
@@ -167,7 +171,7 @@ Object& add_books(World& world, RandomSequence& random, float h) {
 }
 
 Object& add_bottle(World& world, RandomSequence& random, float h) {
-  const int glass = plain_material(world, random, pick_paint(random));
+  const int glass = office_material(world, random, Surface::plastic, pick_paint(random));
   const int label = two_paints(world, random, Surface::spines);
   return add_thing(world,
                    {with_material(make_cylinder({0.0F, -h - 0.08F, 0.0F}, 1, 0.034F, 0.16F), glass),
@@ -236,7 +240,7 @@ void add_shelf(World& world, RandomSequence& random, const GroundPose& pose, flo
 }
 
 Object& add_plant(World& world, RandomSequence& random) {
-  const int pot = plain_material(world, random, pick_paint(random) * 0.7F);
+  const int pot = office_material(world, random, Surface::plastic, pick_paint(random) * 0.7F);
   const int green = plain_material(world, random, Colour(0.05F, 0.14F, 0.03F) * random.uniform(0.7F, 1.5F),
                                    Surface::leaves);
   std::vector<Body> bodies{with_material(make_cylinder({0.0F, -0.16F, 0.0F}, 1, 0.16F, 0.32F), pot)};
@@ -272,7 +276,7 @@ Object& add_poster(World& world, RandomSequence& random, float width, float tall
 }
 
 Object& add_cable(World& world, RandomSequence& random, const std::vector<Eigen::Vector3f>& points) {
-  const int rubber = plain_material(world, random, Colour::Constant(0.03F));
+  const int rubber = office_material(world, random, Surface::plastic, Colour::Constant(0.03F));
   std::vector<Body> bodies;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     // A cylinder of any direction: an ellipsoid stretched along the piece.
@@ -293,7 +297,8 @@ Object& add_cable(World& world, RandomSequence& random, const std::vector<Eigen:
 }
 
 Object& add_pipe(World& world, RandomSequence& random, float length, float radius, float height) {
-  const int metal = plain_material(world, random, Colour::Constant(random.uniform(0.3F, 0.6F)));
+  const int metal =
+      office_material(world, random, Surface::plastic, Colour::Constant(random.uniform(0.3F, 0.6F)));
   std::vector<Body> bodies{with_material(make_cylinder({0.0F, -height, 0.0F}, 0, radius, length), metal)};
   for (float x = -0.5F * length + 0.4F; x < 0.5F * length; x += 1.3F)
     bodies.push_back(with_material(make_cylinder({x, -height, 0.0F}, 0, 1.15F * radius, 0.05F), metal));

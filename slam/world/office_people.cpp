@@ -27,18 +27,18 @@ class Wanderer {
 
  private:
   double between(float from, float to) { return static_cast<double>(random_.uniform(from, to)); }
-  double pace() { return between(0.75F, 1.25F); }
+  double pace() { return between(0.5F, 0.95F); }
   double front() { return -1.42 + lane_ + between(-0.12F, 0.12F); }
 
   void add_move(std::vector<Step>& steps) {
     const float choice = random_.uniform();
-    if (choice < 0.45F) {  // across the picture
+    if (choice < 0.48F) {  // across the picture
       const double speed = pace();
       side_ = -side_;
       const double x = side_ * between(0.9F, 1.5F);
       steps.push_back(walk_to(x, front(), speed));
       if (random_.chance(0.3F)) steps.push_back(stand_for(between(0.3F, 0.8F)));
-    } else if (choice < 0.62F) {  // towards the camera
+    } else if (choice < 0.68F) {  // towards the camera
       const double speed = 0.8 * pace();
       const double x = between(-0.25F, 0.25F);
       steps.push_back(walk_to(1.5 * x, -0.75 + lane_, speed));
@@ -47,7 +47,7 @@ class Wanderer {
       side_ = random_.chance(0.5F) ? 1.0 : -1.0;
       const double end = side_ * between(1.0F, 1.5F);
       steps.push_back(walk_to(end, front(), speed));
-    } else if (choice < 0.76F) {  // half outside the picture
+    } else if (choice < 0.84F) {  // half outside the picture
       const double speed = pace();
       const double x = side_ * between(0.52F, 0.75F);
       steps.push_back(walk_to(x, front(), speed));

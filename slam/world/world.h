@@ -46,6 +46,7 @@ enum class Surface : std::uint8_t {
   lamp,
   garment,
   skin,
+  plastic,  // smooth: metal, shells of devices
 };
 
 // The rhythm of a facade, in metres.

@@ -108,7 +108,9 @@ TEST(OfficeSequence, AnInstanceIsTheUnionOfItsLimbs) {
     EXPECT_EQ(masks.visible_area, visible[masks.instance]);
     EXPECT_GE(masks.whole_area, masks.visible_area);
     people += masks.object_class == ObjectClass::person ? 1 : 0;
-    if (masks.object_class == ObjectClass::person) EXPECT_TRUE(masks.moving);
+    if (masks.object_class == ObjectClass::person) {
+      EXPECT_TRUE(masks.moving);
+    }
   }
   EXPECT_EQ(people, 2);
 }
@@ -172,7 +174,8 @@ TEST(OfficeSequence, PathsAreThoseTheyAreNamedFor) {
   EXPECT_LT(of("rpy").first.maxCoeff(), 0.2);
   EXPECT_GT(of("rpy").second, 20.0);
   EXPECT_LT(of("rpy").second, 40.0);
-  EXPECT_NEAR(of("halfsphere").first.x(), 1.0, 0.25);
+  EXPECT_GT(of("halfsphere").first.x(), 0.6);
+  EXPECT_LT(of("halfsphere").first.x(), 1.05);
   HandHeldPath laps;
   laps.kind = "twolaps";
   const Trajectory poses = hand_held_trajectory(laps, 1500);
