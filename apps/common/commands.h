@@ -14,6 +14,7 @@ void add_report_command(CLI::App& app);      // a run as one page to look at
 void add_ablate_command(CLI::App& app);      // what masks and filters are worth
 void add_eval_command(CLI::App& app);        // compare a trajectory with the ground truth
 void add_match_eval_command(CLI::App& app);  // compare feature matching
+void add_eval_dense_command(CLI::App& app);  // compare a dense map with the truth
 void add_eval_loops_command(CLI::App& app);  // compare a run's loops with the ground truth
 void add_eval_coco_command(CLI::App& app);   // compare detections with the ground truth
 void add_convert_command(CLI::App& app);     // checkpoints to safetensors

@@ -23,6 +23,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam out/street --masks out/street/sequences/00/instances --out out/street_slam
   penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
   penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
+  penumbra slam rgbd_dataset_freiburg1_xyz --dense --out out/xyz   and what it saw as a dense map and a plan of the floor
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
@@ -34,7 +35,7 @@ constexpr const char* kSlamExamples = R"(Examples:
 
 Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
 trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.svg (seen from above), run.json (settings, counts, times,
-loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features). `penumbra report` makes a page of them; with
+loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features); with --dense: dense.ply, dense.pcd, plan.pgm, plan.yaml. `penumbra report` makes a page of them; with
 --view the page is there while the run goes on.
 
 Ctrl-C, `kill` and a closed terminal end the run early, with all results; a second signal within three seconds ends it at
@@ -150,6 +151,9 @@ void add_slam_command(CLI::App& app) {
                    "file with settings of the pipeline (docs/slam/settings.md); options given beside it win")
       ->check(CLI::ExistingFile)
       ->type_name("FILE");
+  command->add_flag("--dense", options->dense,
+                    "of RGB-D: write what stands as coloured voxels with classes (dense.ply, dense.pcd) and "
+                    "as a plan of the floor (plan.pgm, plan.yaml)");
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");

@@ -17,6 +17,7 @@
 #include "slam/evaluation/trajectory_plot.h"
 #include "slam/geometry/association.h"
 #include "slam/geometry/trajectory_io.h"
+#include "slam/map/dense/cloud_files.h"
 #include "slam/map/map_file.h"
 #include "slam/map/ply.h"
 
@@ -113,6 +114,25 @@ void write_data(Writer& writer, const ResultPlaces& places, const slam::Recorder
   writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(record.slam().map())); });
 }
 
+// The dense map and what run.json says of it. What this run does not have is not left there from an earlier
+// one.
+void write_dense(Writer& writer, const std::filesystem::path& out, slam::DenseMapper* dense,
+                 const slam::Recorder& record, SlamRun& run) {
+  for (const char* name : {"dense.ply", "dense.pcd", "plan.pgm", "plan.yaml"}) {
+    writer.draw([&] { std::filesystem::remove(out / name); });
+  }
+  if (dense == nullptr || dense->views() == 0) return;
+  const slam::DenseMap map = dense->build(record);
+  run.dense = dense_report(map, record.slam().settings().dense);
+  writer.write([&] { slam::write_dense_ply(out / "dense.ply", map.voxels, map.classes); });
+  writer.write([&] { slam::write_pcd(out / "dense.pcd", map.voxels); });
+  if (map.plan) {
+    writer.write([&] { slam::write_occupancy(out / "plan", *map.plan); });
+  } else {
+    log_warning("no floor was found in the dense map: there is no plan of it");
+  }
+}
+
 }  // namespace
 
 void prepare_places(const ResultPlaces& places) {
@@ -128,13 +148,14 @@ void prepare_places(const ResultPlaces& places) {
 }
 
 void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset,
-                   const slam::Recorder& record, SlamRun& run) {
+                   const slam::Recorder& record, slam::DenseMapper* dense, SlamRun& run) {
   const std::filesystem::path& out = places.out;
   const slam::Trajectory estimate = located(record);
   const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
   const slam::Trajectory& truth = pair.reference;
   run.evaluation = evaluate(pair);
   Writer writer;
+  write_dense(writer, out, dense, record, run);
   write_data(writer, places, record, estimate, truth, run, places.save_map);
   if (estimate.empty()) {
     writer.draw([&] { std::filesystem::remove(out / "trajectory.svg"); });

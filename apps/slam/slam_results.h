@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/view/slam_report.h"
-#include "slam/pipeline/recorder.h"
+#include "slam/pipeline/dense_mapper.h"
 #include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::apps {
@@ -21,11 +21,11 @@ struct ResultPlaces {
 void prepare_places(const ResultPlaces& places);
 
 // Writes trajectories, run.json, frames.json and map, then the pictures, so that what was computed is kept
-// before what can be drawn again; fills run.evaluation where there is ground truth. What cannot be written
-// costs only itself: of a picture a warning, of all else an Error that names it once everything else is
-// written.
+// before what can be drawn again; fills run.evaluation where there is ground truth, and run.dense from
+// `dense`, whose map it writes, too (null: none). What cannot be written costs only itself: of a picture a
+// warning, of all else an Error that names it once everything else is written.
 void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset,
-                   const slam::Recorder& record, SlamRun& run);
+                   const slam::Recorder& record, slam::DenseMapper* dense, SlamRun& run);
 
 // The same, without pictures and ground truth, in the middle of a run, whose worker may go on; the map of
 // --save-map beside its place, with the ending .checkpoint, which write_results removes. Throws as

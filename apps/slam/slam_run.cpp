@@ -17,6 +17,7 @@
 #include "apps/view/live_view.h"
 #include "nn/base/error.h"
 #include "slam/map/map_file.h"
+#include "slam/pipeline/dense_mapper.h"
 #include "slam/pipeline/recorder.h"
 #include "slam/pipeline/run_check.h"
 #include "slam/pipeline/setting_fields.h"
@@ -116,11 +117,12 @@ class Checkpoints {
 class FrameLoop {
  public:
   FrameLoop(const SlamOptions& options, const slam::StereoDataset& dataset, slam::Slam& slam,
-            slam::Recorder& record, LiveView* view, SlamRun& run)
+            slam::Recorder& record, slam::DenseMapper* dense, LiveView* view, SlamRun& run)
       : options_(options),
         dataset_(dataset),
         slam_(slam),
         record_(record),
+        dense_(dense),
         view_(view),
         run_(run),
         check_(dataset.camera(), dataset.sensor()) {}
@@ -170,6 +172,7 @@ class FrameLoop {
       run_.unreadable_frames.push_back(result.index);
     }
     const slam::FrameResult& kept = record_.add(std::move(result));
+    if (dense_ != nullptr && images) dense_->add(dataset_.camera(), *images, kept);
     if (view_ != nullptr) view_->add(kept, images ? images->left : ByteImage());
     if (kept.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", kept.index);
     if (kept.tracking.recovered) log_info("frame {}: found again", kept.index);
@@ -198,6 +201,7 @@ class FrameLoop {
   const slam::StereoDataset& dataset_;
   slam::Slam& slam_;
   slam::Recorder& record_;
+  slam::DenseMapper* const dense_;
   LiveView* const view_;
   SlamRun& run_;
   slam::RunCheck check_;
@@ -260,6 +264,9 @@ void run_slam(const SlamOptions& options) {
 
   SlamRun run;
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
+  if (options.dense && dataset->sensor() != slam::Sensor::rgbd) {
+    throw UsageError(fmt::format("--dense needs images with depth, and {} has none", dataset->name()));
+  }
   run.dataset = dataset->name();
   for (const std::string& note : dataset->notes()) log_warning("{}: {}", options.dataset.folder, note);
   run.warnings = dataset->notes();
@@ -283,7 +290,9 @@ void run_slam(const SlamOptions& options) {
   }
   const Interruption interruption;  // until the results are written
   const double cpu_before = process_usage().cpu_seconds;
-  FrameLoop(options, *dataset, slam, record, view ? &*view : nullptr, run).run(places);
+  slam::DenseMapper dense(slam.settings().dense);
+  FrameLoop(options, *dataset, slam, record, options.dense ? &dense : nullptr, view ? &*view : nullptr, run)
+      .run(places);
   record.finish();
   const ProcessUsage usage = process_usage();
   run.finished = true;
@@ -291,7 +300,7 @@ void run_slam(const SlamOptions& options) {
   run.peak_rss_mb = usage.peak_rss_mb;
   warn_of_pieces(record);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
-  write_results(places, *dataset, record, run);
+  write_results(places, *dataset, record, options.dense ? &dense : nullptr, run);
   print_summary(slam_report(run, record), places.out);
   if (view && !record.results().empty()) view->finish(places.out);
   judge(options, record, run);

@@ -12,6 +12,7 @@
 #include "slam/evaluation/ape.h"
 #include "slam/geometry/association.h"
 #include "slam/geometry/trajectory_io.h"
+#include "slam/map/dense/cloud_files.h"
 
 namespace penumbra::apps {
 
@@ -136,6 +137,21 @@ json position_errors(const slam::Trajectory& truth, const slam::Trajectory& esti
   return errors;
 }
 
+// As points_json, with the numbers of the classes, a byte each, and their names.
+json dense_json(const slam::DenseCloud& cloud, std::size_t most) {
+  std::string position, colour, label;
+  const std::size_t step = cloud.places.size() / most + 1;
+  for (std::size_t i = 0; i < cloud.places.size(); i += step) {
+    position.append(reinterpret_cast<const char*>(cloud.places[i].data()), 3 * sizeof(float));
+    colour.append(reinterpret_cast<const char*>(cloud.colours[i].data()), 3);
+    label.push_back(static_cast<char>(cloud.labels[i]));
+  }
+  return {{"position", base64(position)},
+          {"colour", base64(colour)},
+          {"label", base64(label)},
+          {"classes", cloud.classes}};
+}
+
 }  // namespace
 
 nlohmann::json points_json(const std::vector<slam::PlyVertex>& vertices, std::size_t most) {
@@ -167,6 +183,8 @@ nlohmann::json report_data(const std::filesystem::path& folder, std::size_t most
   const std::filesystem::path map = folder / "map.ply";
   data["points"] = points_json(
       std::filesystem::exists(map) ? slam::read_ply(map) : std::vector<slam::PlyVertex>{}, most_points);
+  if (const auto dense = folder / "dense.ply"; std::filesystem::exists(dense))
+    data["dense"] = dense_json(slam::read_dense_ply(dense), kMostDensePoints);
   data["gallery"] = gallery(folder / "gallery");
   return data;
 }

@@ -174,6 +174,23 @@ nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,
   return json;
 }
 
+nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings& settings) {
+  nlohmann::json json;
+  json["voxels"] = map.voxels.voxels().size();
+  json["voxel_m"] = settings.fusion.voxel;
+  json["classes"] = map.classes;
+  json["views"] = map.views;
+  json["megabytes"] = to_a_thousandth(1e-6 * static_cast<double>(map.bytes));
+  json["floor"] = map.floor.has_value();
+  if (map.plan) {
+    using Grid = slam::OccupancyGrid;
+    json["plan_cells"] = {{"free", map.plan->count(Grid::kFree)},
+                          {"blocked", map.plan->count(Grid::kBlocked)},
+                          {"unknown", map.plan->count(Grid::kUnknown)}};
+  }
+  return json;
+}
+
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   int filter_kept = 0, filter_removed = 0, movable_features = 0;
   std::vector<int> lost_frames, occluded_frames;
@@ -226,6 +243,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
     }
   }
   json["mismatch_filter"] = {{"kept", filter_kept}, {"removed", filter_removed}};
+  if (!run.dense.is_null()) json["dense"] = run.dense;
   if (run.evaluation) json["ground_truth"] = ground_truth_json(*run.evaluation);
   const std::vector<slam::ClosedLoop> loops = record.slam().loops();
   json["loops"] = revisits_json(loops, record.slam().settings().loops);

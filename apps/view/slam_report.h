@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slam/evaluation/evaluation.h"
+#include "slam/pipeline/dense_mapper.h"
 #include "slam/pipeline/recorder.h"
 
 namespace penumbra::apps {
@@ -22,6 +23,7 @@ struct SlamRun {
   std::vector<std::string> warnings;           // what is probably wrong (slam/pipeline/run_check.h)
   std::string why_lost;                        // empty where all frames were located
   double median_depth = 0.0;                   // metres, of the features
+  nlohmann::json dense;                        // what dense_report says; null: none was made
   std::string error;                           // empty: the run came to its end
   std::optional<slam::Evaluation> evaluation;  // where there is ground truth
 };
@@ -36,9 +38,13 @@ struct SlamRun {
 // (pairs of frames, the later first), loop_closures (every correction of the map, with what is known of it),
 // recognised_places (frame, earlier frame, points, and objects where the points alone had not been enough),
 // submaps (pieces of the map that are not tied to each other, see slam/pipeline/slam.h), keyframe_frames,
-// covisibility (frame, earlier frame, points that both keyframes see). The thread that calls Slam::process()
-// may ask, also before finish().
+// covisibility (frame, earlier frame, points that both keyframes see), dense (see dense_report; where one was
+// made). The thread that calls Slam::process() may ask, also before finish().
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record);
+
+// Of a dense map: voxels, voxel_m, classes (names, their numbers are their places), views, megabytes, floor
+// (whether one was found), plan_cells (free, blocked, unknown).
+nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings& settings);
 
 // The loops in which this run came to a place of its own again: pairs of frames, the later first.
 nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,

@@ -219,6 +219,23 @@ void add(FieldList f, InstanceTrackerSettings& s) {
   f.count("fewest_others", s.fewest_others, "features");
 }
 
+void add(FieldList f, DenseSettings& s) {
+  f.number("voxel", s.fusion.voxel, "metres", 0.001, 10.0);
+  f.number("depth_noise", s.fusion.depth_noise, "sigma / z^2, 1/metres", 1e-6, 1.0);
+  f.number("seen_through", s.fusion.seen_through, "views through for each on a voxel", 0.0, 1e4);
+  f.count("fewest_views", s.fusion.fewest_views, "views");
+  f.number("step", s.step, "pixels", 1.0, 64.0);
+  f.metres("farthest", s.farthest);
+  f.metres("least_metres", s.least_metres);
+  f.number("least_degrees", s.least_degrees, "degrees", 0.0, 360.0);
+  f.number("grow", s.grow, "pixels", 0.0, 64.0);
+  FieldList plan = f.group("plan");
+  plan.number("cell", s.plan.cell, "metres", 0.001, 100.0);
+  plan.number("lowest", s.plan.lowest, "metres above the floor", -10.0, 100.0);
+  plan.number("highest", s.plan.highest, "metres above the floor", -10.0, 100.0);
+  plan.count("fewest_voxels", s.plan.fewest_voxels, "voxels", 1.0);
+}
+
 }  // namespace
 
 std::vector<SettingField> setting_fields(SlamSettings& s) {
@@ -238,6 +255,7 @@ std::vector<SettingField> setting_fields(SlamSettings& s) {
   full.count("robust_iterations", s.full_bundle.robust_iterations, "iterations");
   full.count("iterations", s.full_bundle.iterations, "iterations");
   full.pixels("disparity_offset_sigma", s.full_bundle.disparity_offset_sigma);
+  add(all.group("dense"), s.dense);
   all.flag("localise", s.localise);
   all.number("threads", s.threads, "threads", 1.0, 256.0);
   all.flag("deterministic", s.deterministic);

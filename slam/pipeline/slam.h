@@ -32,6 +32,7 @@
 #include "slam/frontend/features/stereo_order.h"
 #include "slam/frontend/locating/tracker.h"
 #include "slam/geometry/trajectory.h"
+#include "slam/pipeline/dense_settings.h"
 #include "slam/pipeline/frame_view.h"
 #include "slam/sources/stereo_dataset.h"
 
@@ -60,6 +61,7 @@ struct SlamSettings {
   LoopCloserSettings loops;
   SemanticsSettings semantics;
   FullBundleSettings full_bundle;
+  DenseSettings dense;    // of who makes a dense map (dense_mapper.h)
   bool localise = false;  // only find the way in a map that was loaded, which stays as it is
   int threads = 2;        // 1: the right image's features wait for the left's
   bool deterministic = true;

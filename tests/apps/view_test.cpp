@@ -101,7 +101,7 @@ class View : public ::testing::Test {
   void finish() {
     record.finish();
     run.finished = true;
-    apps::write_results({out.path(), {}}, *dataset, record, run);
+    apps::write_results({out.path(), {}}, *dataset, record, nullptr, run);
     state_of(port);  // so that somebody looks
     view.finish(out.path());
   }

@@ -247,17 +247,53 @@ function make_space() {
   return space;
 }
 
+// Colours of classes, a byte each, far apart in hue; what has no class is grey.
+function class_colours(labels) {
+  const colours = new Uint8Array(3 * labels.length), colour = new THREE.Color();
+  labels.forEach((label, i) => {
+    if (label) colour.setHSL(label * 0.381966 % 1, 0.75, 0.55); else colour.setRGB(0.45, 0.45, 0.45);
+    colours.set([255 * colour.r, 255 * colour.g, 255 * colour.b], 3 * i);
+  });
+  return colours;
+}
+
+// What the space shows: the map's points, or the dense map in colours or by class.
+function chosen_points(data) {
+  const choice = data.dense ? element('space-shows').value : 'points';
+  if (choice === 'points') return {position: data.points.position, colours: () => bytes_of(data.points.colour), key: data.points};
+  const colours = choice === 'colour' ? () => bytes_of(data.dense.colour) : () => class_colours(bytes_of(data.dense.label));
+  return {position: data.dense.position, colours, key: choice};
+}
+
+function dense_choice(data) {
+  element('space-choice').hidden = !data.dense;
+  if (!data.dense) return;
+  const names = data.dense.classes.map((name, label) => {
+    const item = document.createElement('span'), [r, g, b] = class_colours([label]);
+    item.textContent = (name || 'no class') + ' ';
+    item.style.color = `rgb(${r}, ${g}, ${b})`;
+    return item;
+  });
+  const choose = () => {
+    element('space-classes').replaceChildren(...(element('space-shows').value === 'class' ? names : []));
+    path_in_space(data);
+  };
+  element('space-shows').addEventListener('change', choose);
+  element('space-shows').value = 'colour';
+}
+
 let space;
 function path_in_space(data) {
   if (space === undefined) space = make_space();
   if (space === null) return;
-  if (space.points !== data.points) {
-    space.points = data.points;
-    const positions = new Float32Array(bytes_of(data.points.position).buffer);
+  const chosen = chosen_points(data);
+  if (space.points !== chosen.key) {
+    space.points = chosen.key;
+    const positions = new Float32Array(bytes_of(chosen.position).buffer);
     space.cloud.geometry.dispose();
     space.cloud.geometry = new THREE.BufferGeometry();
     space.cloud.geometry.setAttribute('position', new THREE.BufferAttribute(positions.map((v, i) => i % 3 ? -v : v), 3));
-    space.cloud.geometry.setAttribute('color', new THREE.BufferAttribute(bytes_of(data.points.colour), 3, true));
+    space.cloud.geometry.setAttribute('color', new THREE.BufferAttribute(chosen.colours(), 3, true));
     space.box.dataset.drawn = positions.length / 3;
   }
   for (const old of [...space.lines.children]) {
@@ -274,7 +310,7 @@ function path_in_space(data) {
   }
   if (!space.turned) {  // until somebody takes it
     const bounds = new THREE.Box3().setFromPoints(data.estimate.map(on_screen));
-    const middle = bounds.getCenter(new THREE.Vector3()), size = Math.max(10, bounds.getSize(new THREE.Vector3()).length());
+    const middle = bounds.getCenter(new THREE.Vector3()), size = Math.max(data.dense ? 4 : 10, bounds.getSize(new THREE.Vector3()).length());
     space.controls.target.copy(middle);
     space.camera.position.set(middle.x, middle.y + 0.7 * size, middle.z + 0.7 * size);
     space.controls.update();
@@ -307,6 +343,7 @@ function show_report(data) {
   element('command').textContent = data.run.command ? `${data.run.command}     # penumbra ${data.run.version}` : '';
   table('settings', Object.entries(data.run.settings || {}).map(([k, v]) => [k.replaceAll('_', ' '), JSON.stringify(v)]));
   show_section('settings-section', true);
+  dense_choice(data);
   path_in_space(data);
   check_pictures();
   document.body.dataset.ready = problems.length ? 'with problems' : 'yes';

@@ -1,0 +1,86 @@
+#include "slam/map/dense/dense_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nn/base/ceil_div.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+constexpr float kJump =
+    0.05F;  // share of the depth: more between neighbours is a step from one surface to another
+
+// The depth of a pixel, 0 where it has none or stands at a jump.
+float steady_depth(const FloatImage& depth, int column, int row) {
+  const float z = depth.at(column, row);
+  if (!(z > 0.0F)) return 0.0F;
+  for (int y = std::max(0, row - 1); y <= std::min(depth.height() - 1, row + 1); ++y) {
+    for (int x = std::max(0, column - 1); x <= std::min(depth.width() - 1, column + 1); ++x) {
+      const float other = depth.at(x, y);
+      if (other > 0.0F && std::abs(other - z) > kJump * z) return 0.0F;
+    }
+  }
+  return z;
+}
+
+}  // namespace
+
+DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, const FloatImage& depth,
+                          int step, double farthest) {
+  const int width = ceil_div(depth.width(), step), height = ceil_div(depth.height(), step);
+  DenseView view;
+  view.camera = camera;
+  view.camera.fx /= step;
+  view.camera.fy /= step;
+  view.camera.cx /= step;
+  view.camera.cy /= step;
+  view.camera.width = width;
+  view.camera.height = height;
+  view.depth.create(width, height);
+  view.colour.create(width, height, 3);
+  view.label.create(width, height);
+  const bool grey = image.channels() == 1;
+  for (int y = 0; y < height; ++y) {
+    std::uint16_t* const depths = view.depth.row(y);
+    std::uint8_t* const colours = view.colour.row(y);
+    std::uint8_t* const labels = view.label.row(y);
+    const std::uint8_t* const from = image.row(y * step);
+    for (int x = 0; x < width; ++x) {
+      const float z = steady_depth(depth, x * step, y * step);
+      const float units = std::min(z * DenseView::kDepthUnits, 65535.0F);
+      depths[x] = z <= farthest ? static_cast<std::uint16_t>(std::lround(units)) : std::uint16_t{0};
+      labels[x] = 0;
+      for (int c = 0; c < 3; ++c) colours[3 * x + c] = grey ? from[x * step] : from[3 * x * step + c];
+    }
+  }
+  return view;
+}
+
+void set_label(DenseView& view, int step, const Rect& region, const ByteImage& mask, std::uint8_t label,
+               int grow) {
+  if (mask.empty() || region.width <= 0 || region.height <= 0) return;
+  const int reach = ceil_div(grow, step);
+  const auto on_mask = [&](int column, int row) {  // of the small image
+    const int x = column * step - region.x, y = row * step - region.y;
+    if (x < 0 || y < 0 || x >= region.width || y >= region.height) return false;
+    return mask.at(x * mask.width() / region.width, y * mask.height() / region.height) != 0;
+  };
+  const int left = region.x / step, right = (region.x + region.width) / step;
+  const int top = region.y / step, bottom = (region.y + region.height) / step;
+  for (int row = std::max(0, top); row <= std::min(view.label.height() - 1, bottom); ++row) {
+    for (int column = std::max(0, left); column <= std::min(view.label.width() - 1, right); ++column) {
+      if (!on_mask(column, row)) continue;
+      for (int y = std::max(0, row - reach); y <= std::min(view.label.height() - 1, row + reach); ++y) {
+        for (int x = std::max(0, column - reach); x <= std::min(view.label.width() - 1, column + reach);
+             ++x) {
+          std::uint8_t& there = view.label.at(x, y);
+          if (there != kMoves) there = label;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace penumbra::slam

@@ -1,0 +1,43 @@
+// What a keyframe contributes to the dense map: its depth, colours and classes, at a part of the image's
+// size.
+//
+// Kept per view: 2 bytes of depth, 3 of colour and 1 of class a pixel; with 640 x 480 pixels and a step of 2,
+// 460 kB.
+#pragma once
+
+#include <cstdint>
+
+#include "nn/image/image.h"
+#include "slam/geometry/stereo_camera.h"
+
+namespace penumbra::slam {
+
+// What must not become part of the map; other numbers are classes, 0 is none.
+constexpr std::uint8_t kMoves = 255;
+
+struct DenseView {
+  StereoCamera camera;  // of the small images
+  WordImage depth;      // kDepthUnits a metre; 0: none
+  ByteImage colour;     // blue, green, red
+  ByteImage label;      // class, or kMoves
+
+  static constexpr float kDepthUnits = 5000.0F;
+
+  std::size_t bytes() const { return depth.elements() * 2 + colour.elements() + label.elements(); }
+  float depth_at(int column, int row) const {
+    return static_cast<float>(depth.at(column, row)) / kDepthUnits;
+  }
+};
+
+// Takes every `step`-th pixel of a frame, of its depth where it is at most `farthest` metres. Depth at a jump
+// is left out: pixels there mix two surfaces. `image`: grey or blue, green, red, of the depth's size.
+DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, const FloatImage& depth,
+                          int step, double farthest);
+
+// Gives the pixels of a mask (255 = object), `region` in pixels of the whole image and the mask of any size
+// stretched over it, the label `label`; `grow` is how far around the mask, in pixels of the whole image, it
+// reaches.
+void set_label(DenseView& view, int step, const Rect& region, const ByteImage& mask, std::uint8_t label,
+               int grow);
+
+}  // namespace penumbra::slam

@@ -1,0 +1,44 @@
+// A plan of the floor for robots: which cells are free, which are blocked, seen from above.
+//
+//   blocked   something stands in the cell between `lowest` and `highest` above the floor
+//   free      the floor was seen there, and nothing blocks it; also a cell of which 5 of 8 neighbours are
+//   free unknown   all else
+//
+// Frame of the plan: x to where the first camera looked, y to its left, z up, the origin on the floor below
+// it. Files as ROS' map_server and nav2_map_server read them: NAME.pgm (254 free, 0 blocked, 205 unknown; the
+// first row has the largest y) and NAME.yaml beside it.
+#pragma once
+
+#include <filesystem>
+
+#include "nn/image/image.h"
+#include "slam/map/dense/floor_plane.h"
+#include "slam/map/dense/voxel_grid.h"
+
+namespace penumbra::slam {
+
+struct OccupancySettings {
+  double cell = 0.05;                  // metres
+  double lowest = 0.1, highest = 1.8;  // metres above the floor: what blocks a robot
+  int fewest_voxels = 3;               // that block a cell
+};
+
+struct OccupancyGrid {
+  static constexpr std::uint8_t kFree = 254, kBlocked = 0, kUnknown = 205;
+
+  double cell = 0.05;                                // metres
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  // of the lower left corner, metres
+  SE3 T_plan_world;
+  ByteImage cells;  // the first row has the largest y
+
+  int count(std::uint8_t kind) const;
+};
+
+// `first_camera`: T_wc. An empty grid of voxels gives one unknown cell.
+OccupancyGrid occupancy_of(const VoxelGrid& voxels, const FloorPlane& floor, const SE3& first_camera,
+                           const OccupancySettings& settings);
+
+// Writes `path` with the endings .pgm and .yaml. Throws Error where that fails.
+void write_occupancy(const std::filesystem::path& path, const OccupancyGrid& grid);
+
+}  // namespace penumbra::slam

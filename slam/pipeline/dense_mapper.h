@@ -1,0 +1,55 @@
+// Keeps of each keyframe what the dense map is made of, and makes that map: of what stands, at the poses that
+// the keyframes have by then, with the classes that the segmenter has found by then
+// (slam/map/dense/fusion.h).
+//
+//   DenseMapper dense(settings.dense);
+//   for each frame:  dense.add(images, record.add(slam.process(images)));
+//   record.finish();
+//   write(dense.build(record));
+//
+// A keyframe that was taken nearer than `least_metres` and `least_degrees` to the last one that is kept
+// brings nothing new and is left out. Memory: 460 kB a view of 640 x 480 with a step of 2; voxel_grid.h says
+// what a voxel takes. The thread that calls Slam::process() uses it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slam/map/dense/fusion.h"
+#include "slam/map/dense/occupancy_grid.h"
+#include "slam/pipeline/recorder.h"
+
+namespace penumbra::slam {
+
+struct DenseMap {
+  VoxelGrid voxels;
+  std::vector<std::string> classes;   // by number; 0: none
+  std::optional<FloorPlane> floor;    // none where none was found
+  std::optional<OccupancyGrid> plan;  // where there is a floor
+  int views = 0;
+  std::size_t bytes = 0;  // of views and voxels
+};
+
+class DenseMapper {
+ public:
+  explicit DenseMapper(const DenseSettings& settings) : settings_(settings) {}
+
+  // Keeps the frame where it is a keyframe with depth.
+  void add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result);
+  // The map as it is now. Takes the map's lock shared.
+  DenseMap build(const Recorder& record);
+  int views() const { return static_cast<int>(kept_.size()); }
+
+ private:
+  struct Kept {
+    int frame = 0;
+    FramePlace place;
+    DenseView view;
+  };
+  const DenseSettings settings_;
+  std::vector<Kept> kept_;
+  SE3 last_T_wc_;  // of the last that is kept, as it was located then
+};
+
+}  // namespace penumbra::slam

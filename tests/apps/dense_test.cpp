@@ -1,0 +1,85 @@
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "slam/map/dense/cloud_files.h"
+#include "tests/support/bytes.h"
+#include "tests/support/test_data.h"
+
+namespace penumbra {
+namespace {
+
+// A made desk, a run through it with its exact masks, and its dense map.
+class DenseRun : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared = std::make_unique<test::TemporaryDirectory>();
+    const std::string folder = shared->path().string();
+    const auto synth = test::run_penumbra(fmt::format(
+        "synth --scene office --preset desk --depth --frames 20 --size 320x240 --out '{}/office'", folder));
+    ASSERT_EQ(synth.exit_code, 0) << synth.err;
+    const auto slam = test::run_penumbra(fmt::format("slam '{0}/office' --dense --out '{0}/run'", folder));
+    ASSERT_EQ(slam.exit_code, 0) << slam.err;
+  }
+  static void TearDownTestSuite() { shared.reset(); }
+  static std::string folder() { return shared->path().string(); }
+
+  static std::unique_ptr<test::TemporaryDirectory> shared;
+};
+std::unique_ptr<test::TemporaryDirectory> DenseRun::shared;
+
+TEST_F(DenseRun, LeavesAMapAndItsFigures) {
+  const slam::DenseCloud cloud = slam::read_dense_ply(*shared / "run/dense.ply");
+  const nlohmann::json run = nlohmann::json::parse(test::read_file(*shared / "run/run.json"));
+  EXPECT_GT(cloud.places.size(), 10'000U);
+  EXPECT_EQ(run["dense"]["voxels"], cloud.places.size());
+  EXPECT_EQ(run["dense"]["classes"], nlohmann::json(cloud.classes));
+  EXPECT_TRUE(std::filesystem::exists(*shared / "run/dense.pcd"));
+  EXPECT_EQ(std::filesystem::exists(*shared / "run/plan.pgm"), run["dense"]["floor"].get<bool>());
+}
+
+TEST_F(DenseRun, AgreesWithTheTruth) {
+  const auto eval =
+      test::run_penumbra(fmt::format("eval-dense '{0}/run' --truth '{0}/office' --every 2 --json", folder()));
+  ASSERT_EQ(eval.exit_code, 0) << eval.err;
+  const nlohmann::json score = nlohmann::json::parse(eval.out);
+  EXPECT_LT(score["median_error_m"], 0.02);
+  EXPECT_GT(score["completeness"], 0.8);
+  EXPECT_LT(score["ghosts"], 0.001);
+}
+
+TEST_F(DenseRun, IsInTheReport) {
+  ASSERT_EQ(test::run_penumbra(fmt::format("report '{}/run'", folder())).exit_code, 0);
+  const std::string page = test::read_file(*shared / "run/report.html");
+  EXPECT_NE(page.find("\"dense\":{\"classes\":[\"\"]"), page.npos);
+}
+
+TEST_F(DenseRun, DoesNotOutliveItself) {
+  // A run without --dense in the same folder leaves no map of the one before.
+  std::filesystem::copy(*shared / "run", *shared / "again", std::filesystem::copy_options::recursive);
+  ASSERT_EQ(
+      test::run_penumbra(fmt::format("slam '{0}/office' --frames 0:4 --out '{0}/again'", folder())).exit_code,
+      0);
+  for (const char* name : {"dense.ply", "dense.pcd", "plan.pgm", "plan.yaml"})
+    EXPECT_FALSE(std::filesystem::exists(*shared / "again" / name)) << name;
+}
+
+TEST_F(DenseRun, RefusesWhatHasNoDepthAndNoTruth) {
+  ASSERT_EQ(
+      test::run_penumbra(fmt::format("synth --frames 3 --size 310x94 --out '{}/street'", folder())).exit_code,
+      0);
+  const auto stereo =
+      test::run_penumbra(fmt::format("slam '{0}/street' --dense --out '{0}/stereo'", folder()));
+  EXPECT_NE(stereo.exit_code, 0);
+  EXPECT_NE(stereo.err.find("--dense needs images with depth"), stereo.err.npos) << stereo.err;
+  const auto none = test::run_penumbra(fmt::format("eval-dense '{0}/run' --truth '{0}/street'", folder()));
+  EXPECT_NE(none.exit_code, 0);
+  EXPECT_NE(none.err.find("instances.json"), none.err.npos) << none.err;
+  const auto no_map =
+      test::run_penumbra(fmt::format("eval-dense '{0}/street' --truth '{0}/office'", folder()));
+  EXPECT_NE(no_map.err.find("dense.ply"), no_map.err.npos) << no_map.err;
+}
+
+}  // namespace
+}  // namespace penumbra
