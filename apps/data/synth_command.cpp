@@ -29,7 +29,7 @@ struct SynthOptions {
   std::filesystem::path out;
   bool overwrite = false;
   // What replaces the preset's values.
-  std::optional<float> parked, traffic, moving, texture, exposure_change, noise, shutter, glare;
+  std::optional<float> parked, traffic, moving, texture, exposure_change, noise, shutter, glare, readout;
   std::optional<std::string> light, lorry, people, depth_sensor;
 };
 
@@ -73,7 +73,8 @@ synthetic::StreetSettings street_of(const SynthOptions& options) {
 }
 
 std::unique_ptr<synthetic::Sequence> make_street(const SynthOptions& options) {
-  refuse(options.people || options.depth_sensor, "--people or --depth-sensor", "street");
+  refuse(options.people || options.depth_sensor || options.readout,
+         "--people, --depth-sensor or --rolling-shutter", "street");
   const bool rgbd = options.sensor == "rgbd";
   synthetic::SequenceSettings settings;
   settings.street = street_of(options);
@@ -112,6 +113,7 @@ std::unique_ptr<synthetic::Sequence> make_office(const SynthOptions& options) {
   settings.exposure_change = options.exposure_change.value_or(settings.exposure_change);
   settings.noise = options.noise.value_or(settings.noise);
   settings.shutter = options.shutter.value_or(settings.shutter);
+  settings.readout = options.readout.value_or(settings.readout);
   settings.annotations = options.annotations;
   settings.flow = options.flow;
   settings.amodal = options.amodal;
@@ -203,6 +205,8 @@ void add_scene_options(CLI::App* command, SynthOptions& options) {
   number("--noise", options.noise, "Sigma of the image noise, grey levels");
   number("--motion-blur", options.shutter,
          "Seconds that the shutter is open, 0..0.1, office 0..0.033 (7 times as slow)");
+  number("--rolling-shutter", options.readout,
+         "In the office: seconds from the first row's exposure to the last one's, 0..0.033");
   number("--glare", options.glare, "Stray light: veil, ghosts of the sun, sparkles; 0..1");
 }
 

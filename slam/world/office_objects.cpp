@@ -19,7 +19,7 @@ int office_material(World& world, RandomSequence& random, Surface surface, const
   return add_material(world, material);
 }
 
-Colour pick_paint(RandomSequence& random) {
+Colour pick_tint(RandomSequence& random) {
   static const Colour kPaints[] = {{0.55F, 0.12F, 0.08F}, {0.10F, 0.20F, 0.45F}, {0.62F, 0.55F, 0.20F},
                                    {0.12F, 0.36F, 0.22F}, {0.70F, 0.70F, 0.68F}, {0.08F, 0.08F, 0.09F},
                                    {0.45F, 0.25F, 0.50F}, {0.70F, 0.38F, 0.12F}};
@@ -29,7 +29,7 @@ Colour pick_paint(RandomSequence& random) {
 
 // A material of two random paints.
 int two_paints(World& world, RandomSequence& random, Surface surface) {
-  const Colour first = pick_paint(random), second = pick_paint(random);
+  const Colour first = pick_tint(random), second = pick_tint(random);
   return office_material(world, random, surface, first, second);
 }
 
@@ -71,7 +71,7 @@ Object& add_desk(World& world, RandomSequence& random, float width, float depth)
 }
 
 Object& add_partition(World& world, RandomSequence& random, float width, float height) {
-  const Colour colour = random.chance(0.5F) ? Colour(0.42F, 0.32F, 0.20F) : pick_paint(random) * 0.7F;
+  const Colour colour = random.chance(0.5F) ? Colour(0.42F, 0.32F, 0.20F) : pick_tint(random) * 0.7F;
   const int cloth = office_material(world, random, Surface::painted_wall, colour);
   const int frame = office_material(world, random, Surface::plastic, Colour::Constant(0.35F));
   return add_thing(world,
@@ -85,7 +85,7 @@ Object& add_partition(World& world, RandomSequence& random, float width, float h
 Object& add_chair(World& world, RandomSequence& random, bool swivels) {
   const int seat = random.chance(0.5F)
                        ? office_material(world, random, Surface::wood, {0.55F, 0.36F, 0.16F})
-                       : plain_material(world, random, pick_paint(random) * 0.5F, Surface::cloth);
+                       : plain_material(world, random, pick_tint(random) * 0.5F, Surface::cloth);
   const int metal =
       office_material(world, random, Surface::plastic, Colour::Constant(random.uniform(0.03F, 0.4F)));
   std::vector<Body> bodies{block(0.0F, 0.0F, 0.22F, 0.21F, 0.42F, 0.46F, seat)};
@@ -119,7 +119,7 @@ Object& add_chair(World& world, RandomSequence& random, bool swivels) {
 Object& add_monitor(World& world, RandomSequence& random, float h) {
   const bool lit = random.chance(0.35F);
   const int screen = office_material(world, random, Surface::screen, Colour::Constant(0.012F),
-                                     lit ? pick_paint(random) : Colour(Colour::Zero()));
+                                     lit ? pick_tint(random) : Colour(Colour::Zero()));
   const int shell =
       office_material(world, random, Surface::plastic, Colour::Constant(random.chance(0.6F) ? 0.02F : 0.45F));
   const float half = random.uniform(0.22F, 0.30F), tall = half * random.uniform(1.15F, 1.3F);
@@ -171,7 +171,7 @@ Object& add_books(World& world, RandomSequence& random, float h) {
 }
 
 Object& add_bottle(World& world, RandomSequence& random, float h) {
-  const int glass = office_material(world, random, Surface::plastic, pick_paint(random));
+  const int glass = office_material(world, random, Surface::plastic, pick_tint(random));
   const int label = two_paints(world, random, Surface::spines);
   return add_thing(world,
                    {with_material(make_cylinder({0.0F, -h - 0.08F, 0.0F}, 1, 0.034F, 0.16F), glass),
@@ -183,7 +183,7 @@ Object& add_bottle(World& world, RandomSequence& random, float h) {
 
 Object& add_box(World& world, RandomSequence& random, float h) {
   const int card =
-      office_material(world, random, Surface::poster, Colour(0.48F, 0.34F, 0.20F), pick_paint(random));
+      office_material(world, random, Surface::poster, Colour(0.48F, 0.34F, 0.20F), pick_tint(random));
   const float half_x = random.uniform(0.15F, 0.22F), half_z = random.uniform(0.12F, 0.16F),
               tall = random.uniform(0.2F, 0.32F);
   return add_thing(world, {block(0.0F, 0.0F, half_x, half_z, h, h + tall, card)}, ObjectClass::box);
@@ -240,7 +240,7 @@ void add_shelf(World& world, RandomSequence& random, const GroundPose& pose, flo
 }
 
 Object& add_plant(World& world, RandomSequence& random) {
-  const int pot = office_material(world, random, Surface::plastic, pick_paint(random) * 0.7F);
+  const int pot = office_material(world, random, Surface::plastic, pick_tint(random) * 0.7F);
   const int green = plain_material(world, random, Colour(0.05F, 0.14F, 0.03F) * random.uniform(0.7F, 1.5F),
                                    Surface::leaves);
   std::vector<Body> bodies{with_material(make_cylinder({0.0F, -0.16F, 0.0F}, 1, 0.16F, 0.32F), pot)};
@@ -257,7 +257,7 @@ Object& add_plant(World& world, RandomSequence& random) {
 }
 
 Object& add_backpack(World& world, RandomSequence& random) {
-  const int cloth = plain_material(world, random, pick_paint(random) * 0.5F, Surface::cloth);
+  const int cloth = plain_material(world, random, pick_tint(random) * 0.5F, Surface::cloth);
   Body sack = make_ellipsoid({0.0F, -0.22F, 0.0F}, {0.17F, 0.25F, 0.12F});
   cut(sack, {0.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F});
   return add_thing(world,
@@ -267,8 +267,8 @@ Object& add_backpack(World& world, RandomSequence& random) {
 }
 
 Object& add_poster(World& world, RandomSequence& random, float width, float tall, float height) {
-  const Colour ground = random.chance(0.6F) ? Colour(0.70F, 0.68F, 0.62F) : pick_paint(random);
-  const Colour ink = pick_paint(random);
+  const Colour ground = random.chance(0.6F) ? Colour(0.70F, 0.68F, 0.62F) : pick_tint(random);
+  const Colour ink = pick_tint(random);
   const int print = office_material(world, random, Surface::poster, ground, ink);
   return add_thing(
       world, {block(0.0F, -0.006F, 0.5F * width, 0.006F, height - 0.5F * tall, height + 0.5F * tall, print)},

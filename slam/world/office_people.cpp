@@ -28,26 +28,26 @@ class Wanderer {
  private:
   double between(float from, float to) { return static_cast<double>(random_.uniform(from, to)); }
   double pace() { return between(0.5F, 0.95F); }
-  double front() { return -1.42 + lane_ + between(-0.12F, 0.12F); }
+  double front() { return -1.38 + lane_ + between(-0.15F, 0.15F); }
 
   void add_move(std::vector<Step>& steps) {
     const float choice = random_.uniform();
-    if (choice < 0.48F) {  // across the picture
+    if (choice < 0.50F) {  // across the picture
       const double speed = pace();
       side_ = -side_;
-      const double x = side_ * between(0.9F, 1.5F);
+      const double x = side_ * between(0.55F, 1.0F);
       steps.push_back(walk_to(x, front(), speed));
       if (random_.chance(0.3F)) steps.push_back(stand_for(between(0.3F, 0.8F)));
-    } else if (choice < 0.68F) {  // towards the camera
+    } else if (choice < 0.70F) {  // towards the camera
       const double speed = 0.8 * pace();
       const double x = between(-0.25F, 0.25F);
       steps.push_back(walk_to(1.5 * x, -0.75 + lane_, speed));
       steps.push_back(walk_to(x, -1.60 + lane_, 0.7 * speed));
       steps.push_back(stand_for(between(0.4F, 1.0F)));
       side_ = random_.chance(0.5F) ? 1.0 : -1.0;
-      const double end = side_ * between(1.0F, 1.5F);
+      const double end = side_ * between(0.6F, 1.0F);
       steps.push_back(walk_to(end, front(), speed));
-    } else if (choice < 0.84F) {  // half outside the picture
+    } else if (choice < 0.86F) {  // half outside the picture
       const double speed = pace();
       const double x = side_ * between(0.52F, 0.75F);
       steps.push_back(walk_to(x, front(), speed));
@@ -63,7 +63,7 @@ class Wanderer {
         steps.push_back(walk_to(side_ * 1.6, back, speed));
       }
       steps.push_back(walk_to(side_ * 1.85, -0.3, speed));
-      const double end = side_ * between(0.5F, 1.2F);
+      const double end = side_ * between(0.2F, 0.7F);
       steps.push_back(walk_to(end, front(), speed));
     }
   }
@@ -100,14 +100,13 @@ void add_people(World& world, RandomSequence& random, const Crew& crew) {
             walk_to(behind.x() + 0.4 * side * right.x(), behind.y() + 0.4 * side * right.y(), 0.8));
         steps.push_back(walk_to(behind.x(), behind.y(), 0.8));
         steps.push_back({.kind = Kind::grasp, .prop = 0});
-        steps.push_back(walk_to(side * 1.9, -1.0, 0.8));
+        steps.push_back(walk_to(-side * 0.7, -1.2, 0.7));
         steps.push_back({.kind = Kind::release});
       } else if (number == carrier) {
-        props.push_back({.start = on_ground({{side * 2.0, 0.45}, side * 1.5}, 0.0), .carried = true});
-        steps.push_back(walk_to(side * 1.85, -0.4, 1.0));
-        steps.push_back(walk_to(side * 1.75, 0.05, 0.8));
+        props.push_back({.start = on_ground({{side * 1.64, -0.1}, side * 0.3}), .carried = true});
+        steps.push_back(walk_to(side * 1.6, -0.62, 1.0));
         steps.push_back({.kind = Kind::grasp, .prop = 1});
-        steps.push_back(walk_to(side * 1.85, -0.4, 1.0));
+        steps.push_back(walk_to(side * 0.9, -1.2, 1.0));
       }
       loop_from = static_cast<int>(steps.size());
       Wanderer(random, number == 0 ? 0.0 : 0.22, side).add_moves(steps, 24);

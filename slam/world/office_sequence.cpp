@@ -60,6 +60,7 @@ Recording office_recording(const OfficeSettings& settings) {
           .exposure_change = settings.exposure_change,
           .noise = settings.noise,
           .shutter = settings.shutter,
+          .readout = settings.readout,
           .depth_camera = settings.depth_camera};
 }
 

@@ -22,6 +22,7 @@ struct OfficeSettings {
   float exposure_change = 0.06F;  // the exposure hunts by about this share
   float noise = 1.8F;             // sigma, grey levels
   float shutter = 0.0F;           // seconds that the shutter is open; 0: no motion blur
+  float readout = 0.0F;           // seconds from the first row's exposure to the last one's; 0: all at once
   float texture = 1.0F;           // contrast of the noise on surfaces
   std::optional<DepthCameraSettings> depth_camera = DepthCameraSettings{};  // empty: that of depth_sensor.h
   bool annotations = false, flow = false, amodal = false;

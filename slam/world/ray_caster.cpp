@@ -9,6 +9,20 @@ namespace penumbra::slam::synthetic {
 
 void RayCaster::render(const StereoCamera& camera, const SE3& T_wc, double time, RenderedView& view) {
   geometry_.prepare(world_, camera, T_wc, time);
+  render_tiles(0, geometry_.tiles(), view);
+}
+
+void RayCaster::render_band(const StereoCamera& camera, const SE3& T_wc, double time, int band,
+                            RenderedView& view) {
+  geometry_.prepare(world_, camera, T_wc, time);
+  render_tiles(band * geometry_.tiles_x(), (band + 1) * geometry_.tiles_x(), view);
+}
+
+void RayCaster::render_tiles(int first, int end, RenderedView& view) {
+  const StereoCamera& camera = geometry_.camera();
+  const Rect last = geometry_.tile_pixels(end - 1);
+  first_row_ = geometry_.tile_pixels(first).y;
+  end_row_ = last.y + last.height;
   pixel_ = static_cast<float>(1.0 / camera.fx);
   view.radiance.create(camera.width, camera.height);
   view.depth.create(camera.width, camera.height);
@@ -16,13 +30,12 @@ void RayCaster::render(const StereoCamera& camera, const SE3& T_wc, double time,
   surfaces_.create(camera.width, camera.height);
   if (view.wants_reflectance) view.reflectance.create(camera.width, camera.height);
   if (view.wants_objects) view.object.create(camera.width, camera.height);
-  const int tiles = geometry_.tiles();
 #pragma omp parallel
   {
 #pragma omp for schedule(dynamic)
-    for (int tile = 0; tile < tiles; ++tile) find_surfaces(tile, view);
+    for (int tile = first; tile < end; ++tile) find_surfaces(tile, view);
 #pragma omp for schedule(dynamic)
-    for (int tile = 0; tile < tiles; ++tile) colour(tile, view);
+    for (int tile = first; tile < end; ++tile) colour(tile, view);
   }
 }
 
@@ -54,7 +67,7 @@ void RayCaster::find_surfaces(int tile, RenderedView& view) {
 bool RayCaster::is_edge(int column, int row) const {
   const std::int32_t here = surfaces_.at(column, row);
   const auto same = [&](int c, int r) {
-    if (c < 0 || r < 0 || c >= surfaces_.width() || r >= surfaces_.height()) return true;
+    if (c < 0 || r < first_row_ || c >= surfaces_.width() || r >= end_row_) return true;
     const std::int32_t there = surfaces_.at(c, r);
     if (there == here) return true;
     if (there < 0 || here < 0) return false;

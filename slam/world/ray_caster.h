@@ -33,10 +33,14 @@ class RayCaster {
   // The view of a pinhole camera (the left one of `camera`; for the right one move T_wc by the baseline).
   // `view` is allocated on the first call and reused.
   void render(const StereoCamera& camera, const SE3& T_wc, double time, RenderedView& view);
+  // The same of rows band * kTileHeight to (band + 1) * kTileHeight alone; the rest of `view` is kept. For
+  // shutters that open row by row.
+  void render_band(const StereoCamera& camera, const SE3& T_wc, double time, int band, RenderedView& view);
   // The world as the last call of render placed it.
   const FrameGeometry& geometry() const { return geometry_; }
 
  private:
+  void render_tiles(int first, int end, RenderedView& view);
   void find_surfaces(int tile, RenderedView& view);
   void colour(int tile, RenderedView& view) const;
   bool is_edge(int column, int row) const;
@@ -47,7 +51,8 @@ class RayCaster {
   const World& world_;
   FrameGeometry geometry_;
   Image<std::int32_t> surfaces_;
-  float pixel_ = 0.0F;  // size of a pixel at depth 1
+  float pixel_ = 0.0F;               // size of a pixel at depth 1
+  int first_row_ = 0, end_row_ = 0;  // that are rendered
 };
 
 }  // namespace penumbra::slam::synthetic

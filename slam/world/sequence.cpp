@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 #include "slam/world/depth_sensor.h"
 #include "slam/world/noise.h"
@@ -53,21 +54,39 @@ SE3 Sequence::pose_at_time(double time) const {
   return poses[i].T_wc * SE3::exp(share * step.log());
 }
 
+// Adds `share` of the light at `time` of a camera `to_right` metres to the right of the left one; of every
+// band of rows at the time that the shutter opens for it.
+void Sequence::add_light(RayCaster& caster, double time, double to_right, float share, Image<Colour>& light) {
+  const auto pose_at = [&](double at) {
+    SE3 T_wc = pose_at_time(at);
+    T_wc.translation += to_right * T_wc.rotation.col(0);
+    return T_wc;
+  };
+  if (recording_.readout <= 0.0F) {
+    caster.render(scene_.camera, pose_at(time), time, blurred_);
+  } else {
+    const int bands = ceil_div(scene_.camera.height, kTileHeight);
+    for (int band = 0; band < bands; ++band) {
+      const double at = time + static_cast<double>(recording_.readout) * ((band + 0.5) / bands - 0.5);
+      caster.render_band(scene_.camera, pose_at(at), at, band, blurred_);
+    }
+  }
+  add_share(blurred_.radiance, share, light);
+}
+
 // Replaces the light of both views by its mean over the time that the shutter is open; the frame's own time
-// is in the middle.
-void Sequence::blur(int i, SequenceFrame& frame) {
-  constexpr int kSamples = 6;
+// is in the middle, for the row in the middle.
+void Sequence::expose(int i, SequenceFrame& frame) {
+  const int samples = recording_.shutter > 0.0F ? 6 : 1;
+  const float share = 1.0F / static_cast<float>(samples);
   const double time = scene_.poses[static_cast<std::size_t>(i)].timestamp;
   frame.left.radiance.fill(Colour::Zero());
   if (recording_.sensor == Sensor::stereo) frame.right.radiance.fill(Colour::Zero());
-  for (int k = 0; k < kSamples; ++k) {
-    const double at = time + static_cast<double>(recording_.shutter) * ((k + 0.5) / kSamples - 0.5);
-    const SE3 T_wc = pose_at_time(at);
-    left_.render(scene_.camera, T_wc, at, blurred_);
-    add_share(blurred_.radiance, 1.0F / kSamples, frame.left.radiance);
-    if (recording_.sensor == Sensor::rgbd) continue;
-    right_.render(scene_.camera, right_camera_of(T_wc, scene_.camera), at, blurred_);
-    add_share(blurred_.radiance, 1.0F / kSamples, frame.right.radiance);
+  for (int k = 0; k < samples; ++k) {
+    const double at = time + static_cast<double>(recording_.shutter) * ((k + 0.5) / samples - 0.5);
+    add_light(left_, at, 0.0, share, frame.left.radiance);
+    if (recording_.sensor == Sensor::stereo)
+      add_light(right_, at, scene_.camera.baseline, share, frame.right.radiance);
   }
 }
 
@@ -100,7 +119,7 @@ void Sequence::render(int i, SequenceFrame& frame) {
     frame.flow =
         optical_flow(scene_.world, camera, frame.left, pose, scene_.poses[static_cast<std::size_t>(i) + 1]);
   }
-  if (recording_.shutter > 0.0F) blur(i, frame);
+  if (recording_.shutter > 0.0F || recording_.readout > 0.0F) expose(i, frame);
   if (recording_.glare > 0.0F) add_stray_light(i, frame);
 
   const float exposure =

@@ -39,7 +39,8 @@ struct Recording {
   float exposure_change = 0.1F;  // the exposure hunts by about this share around the automatic one
   float noise = 1.3F;            // sigma, grey levels
   float shutter = 0.0F;          // seconds that the shutter is open; 0: no motion blur
-  float glare = 0.0F;            // share of the light of sun and sky that strays over the image
+  float readout = 0.0F;  // seconds from the first row's exposure to the last one's; 0: all rows at once
+  float glare = 0.0F;    // share of the light of sun and sky that strays over the image
   std::optional<DepthCameraSettings>
       depth_camera;  // of Sensor::rgbd; empty: the simple one of depth_sensor.h
 };
@@ -75,7 +76,8 @@ class Sequence {
 
  private:
   SE3 pose_at_time(double time) const;
-  void blur(int i, SequenceFrame& frame);
+  void expose(int i, SequenceFrame& frame);
+  void add_light(RayCaster& caster, double time, double to_right, float share, Image<Colour>& light);
   void add_stray_light(int i, SequenceFrame& frame) const;
 
   Scene scene_;

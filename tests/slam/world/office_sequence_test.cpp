@@ -231,6 +231,30 @@ TEST(OfficeSequence, TheWritersFilesFitTogether) {
   EXPECT_EQ(read_tum_trajectory(folder / "out/groundtruth.txt").size(), 3U);
 }
 
+TEST(OfficeSequence, ARollingShutterTakesEveryRowAtATimeOfItsOwn) {
+  OfficeSettings settings = small("sitting-rpy", 4, 30);
+  settings.people = People::none;
+  settings.exposure_change = settings.noise = 0.0F;
+  OfficeSequence at_once(settings);
+  settings.readout = 1.0F / 30.0F;
+  OfficeSequence rolling(settings);
+  SequenceFrame still, row_by_row;
+  const auto difference = [&](int band) {
+    double sum = 0.0;
+    for (int v = band * kTileHeight; v < (band + 1) * kTileHeight; ++v) {
+      for (int u = 0; u < 320; ++u) {
+        sum += static_cast<double>((still.left.radiance.at(u, v) - row_by_row.left.radiance.at(u, v)).norm());
+      }
+    }
+    return sum / (320.0 * kTileHeight);
+  };
+  at_once.render(20, still);
+  rolling.render(20, row_by_row);
+  EXPECT_EQ(hash_image(still.left.depth), hash_image(row_by_row.left.depth));
+  EXPECT_LT(difference(7), 0.3 * difference(1));  // the middle rows are taken at the frame's own time
+  EXPECT_LT(difference(7), 0.3 * difference(13));
+}
+
 TEST(OfficeSequence, OrbFindsFeaturesNearAndFarWithoutPeople) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     OfficeSettings settings = small("sitting-xyz", seed, 2);
