@@ -18,6 +18,7 @@ constexpr int kRun = 16;                 // grey values whose sums move along a 
 constexpr float kMostMetres = 500.0F;    // so that no sum runs over
 constexpr int kNoGrey = 1000;            // of a cell without depth: unlike all others
 constexpr int kCellsPerWindow = 4, kMostSweeps = 4;
+constexpr int kWideGuard = 3;  // times theta2, in the later sweeps
 
 bool has_depth(float metres) { return metres > 0.0F && metres < kMostMetres; }
 
@@ -190,7 +191,8 @@ DepthRepair::Cell DepthRepair::make_cell(const ByteView& grey, const Rect& pixel
 }
 
 // Of the cells around that look alike; 0 where there are none.
-float DepthRepair::value_for(const Cell& hole, int column, int row, const Size& reach, const Size& grid) {
+float DepthRepair::value_for(const Cell& hole, int column, int row, int guard, const Size& reach,
+                             const Size& grid) {
   samples_.clear();
   float nearest = kMostMetres, farthest = 0.0F;
   std::int32_t weight = 0;
@@ -199,7 +201,7 @@ float DepthRepair::value_for(const Cell& hole, int column, int row, const Size& 
     const Cell* cells = cells_.data() + static_cast<std::ptrdiff_t>(y) * grid.width;
     for (int x = left; x <= right; ++x) {
       const Cell& cell = cells[x];
-      if (std::abs(cell.grey - hole.hole_grey) >= settings_.grey_difference) continue;
+      if (std::abs(cell.grey - hole.hole_grey) >= guard) continue;
       samples_.push_back({cell.depth, cell.weight});
       nearest = std::min(nearest, cell.depth);
       farthest = std::max(farthest, cell.depth);
@@ -228,8 +230,9 @@ float DepthRepair::value_for(const Cell& hole, int column, int row, const Size& 
     near += is_near ? sample.weight : 0;
   }
   if (!two) return sum / static_cast<float>(weight);
-  return 2 * near >= weight ? near_sum / static_cast<float>(near)
-                            : (sum - near_sum) / static_cast<float>(weight - near);
+  const double votes = settings_.nearer_votes * near;
+  return votes >= weight - near ? near_sum / static_cast<float>(near)
+                                : (sum - near_sum) / static_cast<float>(weight - near);
 }
 
 int DepthRepair::repair_by_cells(const ByteView& grey, const Rect& box, const Size& reach,
@@ -259,11 +262,12 @@ int DepthRepair::repair_by_cells(const ByteView& grey, const Rect& box, const Si
   const int cells = grid.width * grid.height;
   for (int sweep = 0; sweep < kMostSweeps && unfilled > 0; ++sweep) {
     const int before = unfilled;
+    const int guard = settings_.grey_difference * (sweep < 2 ? 1 : kWideGuard);
     for (int n = 0; n < cells; ++n) {
       const int at = sweep % 2 == 0 ? n : cells - 1 - n;
       Cell& cell = cells_[static_cast<std::size_t>(at)];
       if (cell.holes == 0 || cell.repaired > 0.0F) continue;
-      cell.repaired = value_for(cell, at % grid.width, at / grid.width, cell_reach, grid);
+      cell.repaired = value_for(cell, at % grid.width, at / grid.width, guard, cell_reach, grid);
       if (cell.repaired == 0.0F) continue;
       --unfilled;
       if (cell.weight > 0) continue;
@@ -271,7 +275,7 @@ int DepthRepair::repair_by_cells(const ByteView& grey, const Rect& box, const Si
       cell.weight = 1;
       cell.grey = cell.hole_grey;
     }
-    if (unfilled == before) break;
+    if (unfilled == before && sweep >= 2) break;
   }
   int filled = 0;
   for (int at = 0; at < cells; ++at) {

@@ -17,12 +17,14 @@
 //   median   by cells, and the median of Q(p) in place of the mean.
 //   modes    by cells; where the depths of Q(p) span more than `two_surfaces`, they are split at the
 //            geometric middle of the nearest and the farthest, and the mean is that of the larger part: the
-//            mean of two surfaces lies on neither.
+//            mean of two surfaces lies on neither. The nearer part counts half: most holes beside an edge are
+//            in the shadow of the near thing, so they are of what is behind.
 //
 // "By cells": the box is cut into squares of a quarter of the window's shorter side (5 x 5 pixels of a box of
 // 200 x 400). A cell with depth is one sample: the mean of its larger part, weighted with its pixels; the
 // holes of a cell share one window, around the cell, and one value; a cell without any depth becomes a sample
-// of weight 1. Sweeps to and fro repeat until none fills anything, at most four times.
+// of weight 1. Sweeps to and fro repeat until none fills anything, at most four times, the last two with
+// 3 theta2 for what looks like nothing around it.
 //
 // Depths are metres, 0 (or what is no number) where unknown. Only holes inside the box change; the window
 // looks beyond it. Cost for three boxes of 200 x 400 pixels of which a quarter are holes: docs/benchmarks.md.
@@ -45,7 +47,8 @@ enum class RepairMode { off, paper, border, median, modes };
 
 struct DepthRepairSettings {
   RepairMode mode = RepairMode::modes;
-  int grey_difference = 5;    // theta2, grey values; 1 to 5
+  int grey_difference = 5;  // theta2, grey values; 1 to 5
+  double nearer_votes = 0.5;
   double two_surfaces = 0.1;  // of the nearer depth
 };
 
@@ -77,7 +80,7 @@ class DepthRepair {
   int sweep(const ByteView& grey, const Rect& box, const Size& reach, bool backward, FloatImage& depth);
   int repair_by_cells(const ByteView& grey, const Rect& box, const Size& reach, FloatImage& depth);
   Cell make_cell(const ByteView& grey, const Rect& pixels, const Rect& box, const FloatImage& depth) const;
-  float value_for(const Cell& hole, int column, int row, const Size& reach, const Size& grid);
+  float value_for(const Cell& hole, int column, int row, int guard, const Size& reach, const Size& grid);
 
   const DepthRepairSettings settings_;
   std::vector<std::uint64_t> columns_;  // [column][grey]: how many above bit 40, sum of depths below
