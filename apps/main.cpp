@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   penumbra::apps::add_eval_loops_command(app);
   penumbra::apps::add_eval_dense_command(app);
   penumbra::apps::add_eval_coco_command(app);
+  penumbra::apps::add_eval_masks_command(app);
   penumbra::apps::add_convert_command(app);
   penumbra::apps::add_info_command(app);
   penumbra::apps::add_calibrate_command(app);

@@ -82,7 +82,7 @@ slam::Segmenter segmenter_of(const AblationCell& cell, const std::filesystem::pa
   if (cell.masks == MaskSource::truth) return make_mask_reader(drive / "sequences/00/instances");
   for (const NamedWeights& network : weights) {
     if (network.name == cell.weights)
-      return make_segmenter(load_network(network.file, "", slam_network_config()));
+      return make_segmenter(load_network(network.file, "", slam_network_config()), {}, {});
   }
   return {};
 }

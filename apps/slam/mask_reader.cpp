@@ -8,6 +8,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "slam/sources/folder_listing.h"
 
 namespace penumbra::apps {
 
@@ -64,13 +65,34 @@ std::vector<slam::Instance> instances_of(const WordImage& numbers, const ClassNa
   return instances;
 }
 
+// The masks, by the numbers of their frames: NNNNNN.png, or, where none is named so, the images in the order
+// of their names.
+std::map<int, std::filesystem::path> list_masks(const std::filesystem::path& folder) {
+  constexpr std::size_t kDigits = 6;
+  std::vector<std::filesystem::path> images;
+  std::map<int, std::filesystem::path> numbered;
+  for (const std::filesystem::path& path : slam::list_folder(folder)) {
+    if (nn::image_ending(path) != ".png") continue;
+    images.push_back(path);
+    const std::string stem = path.stem().string();
+    if (stem.size() == kDigits && stem.find_first_not_of("0123456789") == stem.npos)
+      numbered[std::stoi(stem)] = path;
+  }
+  if (!numbered.empty()) return numbered;
+  for (const std::filesystem::path& path : images) numbered.emplace(static_cast<int>(numbered.size()), path);
+  return numbered;
+}
+
 }  // namespace
 
 slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
   const auto names = std::make_shared<const ClassNames>(read_class_names(folder));
-  return [folder, names](int frame, const ByteImage& image) -> std::vector<slam::Instance> {
-    const std::filesystem::path path = folder / fmt::format("{:06d}.png", frame);
-    if (!std::filesystem::exists(path)) return {};
+  const auto masks = std::make_shared<const std::map<int, std::filesystem::path>>(list_masks(folder));
+  return [masks, names](const slam::ImageToSegment& from) -> std::vector<slam::Instance> {
+    const ByteImage& image = from.image;
+    const auto known = masks->find(from.frame);
+    if (known == masks->end()) return {};
+    const std::filesystem::path& path = known->second;
     const WordImage numbers = nn::read_depth_image(path, "a 16-bit grey PNG of instance numbers");
     if (numbers.size() != image.size()) {
       throw InputError(path.string(), fmt::format("{}x{} pixels", image.width(), image.height()),

@@ -1,16 +1,27 @@
 #include "apps/slam/segmenter.h"
 
+#include <cmath>
+
 #include "nn/base/error.h"
 
 namespace penumbra::apps {
 
 namespace {
 
-slam::Instance to_instance(const nn::Detection& detection, const std::vector<std::string>& names) {
+slam::Instance to_box(const nn::Detection& detection, const std::vector<std::string>& names) {
   slam::Instance instance;
   instance.class_id = detection.label;
   instance.class_name = names[static_cast<std::size_t>(detection.label)];
   instance.score = detection.score;
+  const auto left = static_cast<int>(std::floor(detection.box.x1));
+  const auto top = static_cast<int>(std::floor(detection.box.y1));
+  instance.region = {left, top, static_cast<int>(std::ceil(detection.box.x2)) - left,
+                     static_cast<int>(std::ceil(detection.box.y2)) - top};
+  return instance;
+}
+
+slam::Instance to_instance(const nn::Detection& detection, const std::vector<std::string>& names) {
+  slam::Instance instance = to_box(detection, names);
   const nn::Mask& mask = detection.mask;
   instance.region = {mask.x, mask.y, mask.width, mask.height};
   instance.mask.create(mask.width, mask.height);
@@ -21,6 +32,20 @@ slam::Instance to_instance(const nn::Detection& detection, const std::vector<std
   return instance;
 }
 
+slam::Segmenter refined(slam::Segmenter segmenter, const slam::StereoCamera& camera,
+                        const slam::SemanticsSettings& settings) {
+  switch (settings.depth_masks.masks) {
+    case slam::InstanceMasks::depth_clusters:
+      return slam::masks_from_depth(std::move(segmenter), camera, settings.instances.least_score,
+                                    settings.depth_masks);
+    case slam::InstanceMasks::boxes:
+      return slam::masks_of_boxes(std::move(segmenter));
+    case slam::InstanceMasks::detector:
+      break;
+  }
+  return segmenter;
+}
+
 }  // namespace
 
 nn::NetworkConfig slam_network_config() {
@@ -29,18 +54,33 @@ nn::NetworkConfig slam_network_config() {
   return config;
 }
 
-slam::Segmenter make_segmenter(const LoadedNetwork& loaded) {
-  if (!loaded.network->has_masks()) {
-    throw InputError(loaded.source, "weights of a network that finds masks",
+slam::Segmenter make_segmenter(const LoadedNetwork& loaded, const slam::StereoCamera& camera,
+                               const slam::SemanticsSettings& settings) {
+  const bool boxes = settings.depth_masks.masks != slam::InstanceMasks::detector;
+  if (!boxes && !loaded.network->has_masks()) {
+    throw InputError(loaded.source,
+                     "weights of a network that finds masks, or, with an RGB-D recording, --dynamics "
+                     "depth-clusters, which makes masks of boxes",
                      loaded.network->name() + ", boxes only");
   }
-  return [loaded](int /*frame*/, const ByteImage& image) {
-    std::vector<slam::Instance> instances;
-    for (const nn::Detection& detection : (*loaded.network)(image)) {
-      if (!detection.mask.bits.empty()) instances.push_back(to_instance(detection, loaded.names));
-    }
-    return instances;
-  };
+  return refined(
+      [loaded, boxes](const slam::ImageToSegment& from) {
+        std::vector<slam::Instance> instances;
+        for (const nn::Detection& detection : (*loaded.network)(from.image)) {
+          if (boxes) {
+            instances.push_back(to_box(detection, loaded.names));
+          } else if (!detection.mask.bits.empty()) {
+            instances.push_back(to_instance(detection, loaded.names));
+          }
+        }
+        return instances;
+      },
+      camera, settings);
+}
+
+slam::Segmenter make_segmenter(const std::filesystem::path& masks, const slam::StereoCamera& camera,
+                               const slam::SemanticsSettings& settings) {
+  return refined(make_mask_reader(masks), camera, settings);
 }
 
 }  // namespace penumbra::apps

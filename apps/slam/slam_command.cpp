@@ -24,6 +24,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
   penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
   penumbra slam rgbd_dataset_freiburg1_xyz --dense --out out/xyz   and what it saw as a dense map and a plan of the floor
+  penumbra slam out/office --weights yolov5n.safetensors --dynamics depth-clusters --out out/people
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
@@ -59,7 +60,9 @@ void add_slam_command(CLI::App& app) {
   command->add_option("--sequence", options->sequence,
                       "which one, where the folder holds several, such as 00");
   command
-      ->add_option("--weights", options->weights, "Mask R-CNN or YOLOv5-seg weights: what moves is left out")
+      ->add_option("--weights", options->weights,
+                   "Mask R-CNN or YOLOv5 weights: what moves is left out; of YOLOv5 without masks with "
+                   "--dynamics depth-clusters")
       ->type_name("FILE");
   command
       ->add_option("--masks", options->masks,
@@ -75,10 +78,33 @@ void add_slam_command(CLI::App& app) {
       ->capture_default_str()
       ->type_name("WHICH");
   command
-      ->add_option("--moving", options->moving,
-                   "what is left out: instances that geometry finds moving, or every class that can move")
-      ->check(CLI::IsMember({"geometry", "class"}))
+      ->add_option("--dynamics", options->dynamics,
+                   "an object's pixels: the detector's masks, what the depths in its box say (RGB-D), or all "
+                   "of the boxes")
+      ->check(CLI::IsMember({"masks", "depth-clusters", "boxes"}))
       ->capture_default_str();
+  command
+      ->add_option("--repair", options->repair,
+                   "depth-clusters: how holes in boxes are filled, see docs/dynamics/depth-clusters.md")
+      ->check(CLI::IsMember({"off", "paper", "border", "median", "modes"}))
+      ->capture_default_str();
+  command
+      ->add_option("--clusters", options->clusters,
+                   "depth-clusters: which depths are the object's, as the paper scores them or grown")
+      ->check(CLI::IsMember({"paper", "grown"}))
+      ->capture_default_str();
+  command
+      ->add_option("--consistency", options->consistency,
+                   "depth-clusters: whether points off their epipolar lines show that an object moves")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--moving", options->moving,
+          "what is left out: instances that geometry finds moving (default), or every class that can "
+          "move (default with --dynamics depth-clusters and boxes)")
+      ->check(CLI::IsMember({"geometry", "class"}))
+      ->type_name("TEXT:{geometry,class}");
   command->add_option("--movers", options->movers, "find large moving things without masks, by geometry")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();

@@ -51,6 +51,38 @@ void parse_segmentation(const std::string& text, slam::SemanticsSettings& semant
   semantics.interval = std::stoi(number);
 }
 
+// --dynamics and what belongs to it. With boxes the class of a thing decides whether it moves, as in the
+// paper, unless --moving says otherwise.
+void set_masks(const SlamOptions& options, slam::SemanticsSettings& semantics) {
+  slam::DepthMaskSettings& masks = semantics.depth_masks;
+  const auto says = [&](const char* name) {
+    return options.settings.empty() || options.given.contains(name);
+  };
+  if (says("--dynamics")) masks.masks = slam::value_of(options.dynamics, masks.masks);
+  if (says("--repair")) masks.repair.mode = slam::value_of(options.repair, masks.repair.mode);
+  if (says("--clusters")) masks.object.mode = slam::value_of(options.clusters, masks.object.mode);
+  constexpr int kPaperClusters = 3;  // the paper does not say; 2 always ties
+  if (says("--clusters") && masks.object.mode == slam::ClusterMode::paper)
+    masks.object.clusters = kPaperClusters;
+  if (says("--consistency")) masks.consistency.enabled = options.consistency == "on";
+}
+
+// Throws UsageError where --dynamics lacks what it needs.
+void check_masks(const SlamOptions& options, const slam::StereoDataset& dataset,
+                 const slam::SemanticsSettings& semantics) {
+  const slam::InstanceMasks masks = semantics.depth_masks.masks;
+  if (masks == slam::InstanceMasks::detector || semantics.mode == slam::SegmentationMode::off) return;
+  if (options.weights.empty() && options.masks.empty()) {
+    throw UsageError(fmt::format("--dynamics {}: needs --weights, for the boxes of objects (or --masks)",
+                                 slam::word_of(masks)));
+  }
+  if (masks == slam::InstanceMasks::depth_clusters && dataset.sensor() != slam::Sensor::rgbd) {
+    throw UsageError(fmt::format(
+        "--dynamics depth-clusters: needs an RGB-D recording, and {} is a stereo recording, without depth",
+        dataset.name()));
+  }
+}
+
 // As --segmentation takes it.
 std::string segmentation_text(const slam::SemanticsSettings& semantics) {
   if (semantics.mode == slam::SegmentationMode::interval) return fmt::format("every-{}", semantics.interval);
@@ -242,7 +274,12 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   if (options.self_calibration == "off") settings.full_bundle.disparity_offset_sigma = 0.0;
   if (says("--least-sharpness")) settings.tracker.least_sharpness = options.least_sharpness;
   if (says("--segmentation")) parse_segmentation(options.segmentation, settings.semantics);
-  if (says("--moving")) settings.semantics.instances.check_motion = options.moving == "geometry";
+  set_masks(options, settings.semantics);
+  if (says("--moving")) {
+    const bool by_boxes = settings.semantics.depth_masks.masks != slam::InstanceMasks::detector;
+    const bool by_class = options.moving == "class" || (by_boxes && !options.given.contains("--moving"));
+    settings.semantics.instances.check_motion = !by_class;
+  }
   if (says("--movers")) {
     settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
         options.movers == "on";
@@ -272,9 +309,10 @@ void run_slam(const SlamOptions& options) {
   run.warnings = dataset->notes();
   const std::optional<LoadedNetwork> loaded = find_network(options, settings.semantics);
   slam::Segmenter segmenter;
-  if (loaded) segmenter = make_segmenter(*loaded);
+  check_masks(options, *dataset, settings.semantics);
+  if (loaded) segmenter = make_segmenter(*loaded, dataset->camera(), settings.semantics);
   if (!options.masks.empty() && settings.semantics.mode != slam::SegmentationMode::off)
-    segmenter = make_mask_reader(options.masks);
+    segmenter = make_segmenter(options.masks, dataset->camera(), settings.semantics);
   run.segmentation = segmenter ? segmentation_text(settings.semantics) : "off";
   std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
   const ResultPlaces places{options.out, options.save_map};

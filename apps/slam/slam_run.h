@@ -23,8 +23,9 @@ struct SlamOptions {
   std::string out, sequence, weights, key, classes, masks, save_map, load_map;
   std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on",
               self_calibration = "on";
-  std::string segmentation = "keyframes", moving = "geometry", movers = "on";
-  std::string view;  // port, or kAnyViewPort; empty: none
+  std::string segmentation = "keyframes", dynamics = "masks", moving = "geometry", movers = "on";
+  std::string repair = "modes", clusters = "grown", consistency = "on";  // of --dynamics depth-clusters
+  std::string view;                                                      // port, or kAnyViewPort; empty: none
   std::optional<double> frame_rate;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false, dense = false;

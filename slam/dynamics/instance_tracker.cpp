@@ -227,6 +227,7 @@ void InstanceTracker::add(const FrameRecord& at, const Instance& found, const In
     instance.can_move = is_movable_class(found.class_name);
     instance.score = found.score;
   }
+  if (found.moves) belief_.hear(instance, *found.moves);
   instance.last_frame = std::max(instance.last_frame, at.index);
   ++instance.detections;
   place(tracks_[place_in_list], view, owner < 0);

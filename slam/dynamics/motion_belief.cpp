@@ -30,6 +30,14 @@ void MotionBelief::presume_moving(TrackedInstance& instance) const {
   instance.can_move = true;
 }
 
+void MotionBelief::hear(TrackedInstance& instance, bool moves) const {
+  if (moves) {
+    presume_moving(instance);
+  } else if (!settings_.check_motion) {
+    instance.log_odds = moving_prior(instance.class_name);
+  }
+}
+
 PointOrigin MotionBelief::origin_of(const FrameRecord& at, int feature) const {
   return point_origin(camera_, scales_, at.view(), feature, at.T_co, at.time, settings_.motion);
 }

@@ -26,6 +26,9 @@ class MotionBelief {
   TrackedInstance prior(const std::string& class_name) const;
   // Something that geometry has found moving, without a mask.
   void presume_moving(TrackedInstance& instance) const;
+  // What the finder of an object's mask saw of its motion. Where classes decide and not its points, this is
+  // all that is known of a thing whose class cannot move.
+  void hear(TrackedInstance& instance, bool moves) const;
 
   // Learns from where the points of `view`, of frame `at`, are now and were: true where that said anything.
   bool learn(TrackedInstance& instance, const std::vector<PointOrigin>& origins, const InstanceView& view,

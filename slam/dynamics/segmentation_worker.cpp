@@ -32,17 +32,17 @@ SegmentationWorker::~SegmentationWorker() {
   if (thread_.joinable()) thread_.join();
 }
 
-void SegmentationWorker::submit(int frame, const ByteImage& image) {
+void SegmentationWorker::submit(const ImageToSegment& image) {
   if (!segmenter_) return;
   if (!threaded_) {
-    done_.push_back(segment({frame, image}));
+    done_.push_back(segment(image));
     return;
   }
   {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     dropped_ += waiting_.has_value();
-    waiting_ = {frame, image};
+    waiting_ = image;
   }
   changed_.notify_all();
 }
@@ -63,9 +63,9 @@ int SegmentationWorker::dropped() const {
   return dropped_;
 }
 
-SegmentedFrame SegmentationWorker::segment(const Job& job) {
+SegmentedFrame SegmentationWorker::segment(const ImageToSegment& image) {
   const auto scope = timer_.measure("segmentation");
-  return {job.frame, segmenter_(job.frame, job.image)};
+  return {image.frame, segmenter_(image)};
 }
 
 void SegmentationWorker::run() {
@@ -75,14 +75,14 @@ void SegmentationWorker::run() {
   while (true) {
     changed_.wait(lock, [&] { return ending_ || waiting_; });
     if (ending_) return;
-    const Job job = std::move(*waiting_);
+    const ImageToSegment image = std::move(*waiting_);
     waiting_.reset();
     working_ = true;
     lock.unlock();
     SegmentedFrame found;
     std::exception_ptr failure;
     try {
-      found = segment(job);
+      found = segment(image);
     } catch (...) {
       failure = std::current_exception();
     }

@@ -37,8 +37,9 @@ class SegmentationWorker {
   SegmentationWorker& operator=(const SegmentationWorker&) = delete;
 
   bool enabled() const { return static_cast<bool>(segmenter_); }
-  // Rethrows what the segmenter has thrown at an earlier image. `image` is shared, and must not be changed.
-  void submit(int frame, const ByteImage& image);
+  // Rethrows what the segmenter has thrown at an earlier image. The pixels are shared, and must not be
+  // changed.
+  void submit(const ImageToSegment& image);
   // What was found since the last call, oldest first.
   std::vector<SegmentedFrame> take();
   // Waits until no image is left.
@@ -49,12 +50,8 @@ class SegmentationWorker {
   StageTimer take_times() { return std::exchange(timer_, {}); }
 
  private:
-  struct Job {
-    int frame = 0;
-    ByteImage image;
-  };
   void run();
-  SegmentedFrame segment(const Job& job);
+  SegmentedFrame segment(const ImageToSegment& image);
 
   const Segmenter segmenter_;
   const bool threaded_;
@@ -63,7 +60,7 @@ class SegmentationWorker {
 
   mutable std::mutex mutex_;         // of what follows
   std::condition_variable changed_;  // of any of it
-  std::optional<Job> waiting_;
+  std::optional<ImageToSegment> waiting_;
   std::vector<SegmentedFrame> done_;
   bool working_ = false, ending_ = false;
   int dropped_ = 0;

@@ -236,6 +236,29 @@ void add(FieldList f, DenseSettings& s) {
   plan.count("fewest_voxels", s.plan.fewest_voxels, "voxels", 1.0);
 }
 
+void add(FieldList f, DepthMaskSettings& s) {
+  f.word("masks", s.masks);
+  FieldList repair = f.group("repair");
+  repair.word("mode", s.repair.mode);
+  repair.number("grey_difference", s.repair.grey_difference, "grey values", 1.0, 5.0);
+  repair.number("nearer_votes", s.repair.nearer_votes, "of a pixel", 0.0, 10.0);
+  repair.share("two_surfaces", s.repair.two_surfaces);
+  FieldList object = f.group("object");
+  object.word("mode", s.object.mode);
+  object.number("clusters", s.object.clusters, "clusters", 1.0, 16.0);
+  object.share("ring_share", s.object.ring_share);
+  object.number("extent_weight", s.object.extent_weight, "", 0.0, 10.0);
+  object.number("contour_weight", s.object.contour_weight, "", 0.0, 10.0);
+  object.number("past_weight", s.object.past_weight, "", 0.0, 10.0);
+  object.number("least_score", s.object.least_score, "", -10.0, 10.0);
+  FieldList consistency = f.group("consistency");
+  consistency.flag("enabled", s.consistency.enabled);
+  consistency.pixels("threshold", s.consistency.threshold);
+  consistency.count("fewest_moving", s.consistency.fewest_moving, "points");
+  consistency.share("least_share", s.consistency.least_share);
+  consistency.count("longest_gap", s.consistency.longest_gap, "frames");
+}
+
 }  // namespace
 
 std::vector<SettingField> setting_fields(SlamSettings& s) {
@@ -251,6 +274,7 @@ std::vector<SettingField> setting_fields(SlamSettings& s) {
   semantics.count("interval", s.semantics.interval, "frames", 1.0);
   semantics.number("threads", s.semantics.threads, "threads; 0: all of the others but one", 0.0, 256.0);
   add(semantics.group("instances"), s.semantics.instances);
+  add(semantics.group("depth_masks"), s.semantics.depth_masks);
   FieldList full = all.group("full_bundle");
   full.count("robust_iterations", s.full_bundle.robust_iterations, "iterations");
   full.count("iterations", s.full_bundle.iterations, "iterations");

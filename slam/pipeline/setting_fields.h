@@ -16,7 +16,9 @@ namespace penumbra::slam {
 struct SettingField {
   std::string name;  // such as "tracker.search_radius"
   const char* unit;  // "pixels", "metres", "" for a plain number or a switch
-  std::variant<bool*, int*, float*, double*, MismatchFilterMode*, SegmentationMode*> value;
+  std::variant<bool*, int*, float*, double*, MismatchFilterMode*, SegmentationMode*, InstanceMasks*,
+               RepairMode*, ClusterMode*>
+      value;
   double least = 0.0, most = 0.0;  // of numbers
 };
 
@@ -40,6 +42,32 @@ inline constexpr std::array kWords<SegmentationMode>{
     std::pair<std::string_view, SegmentationMode>("keyframes", SegmentationMode::keyframes),
     std::pair<std::string_view, SegmentationMode>("interval", SegmentationMode::interval),
     std::pair<std::string_view, SegmentationMode>("all", SegmentationMode::all)};
+
+template <>
+inline constexpr std::array kWords<InstanceMasks>{
+    std::pair<std::string_view, InstanceMasks>("masks", InstanceMasks::detector),
+    std::pair<std::string_view, InstanceMasks>("depth-clusters", InstanceMasks::depth_clusters),
+    std::pair<std::string_view, InstanceMasks>("boxes", InstanceMasks::boxes)};
+template <>
+inline constexpr std::array kWords<RepairMode>{
+    std::pair<std::string_view, RepairMode>("off", RepairMode::off),
+    std::pair<std::string_view, RepairMode>("paper", RepairMode::paper),
+    std::pair<std::string_view, RepairMode>("border", RepairMode::border),
+    std::pair<std::string_view, RepairMode>("median", RepairMode::median),
+    std::pair<std::string_view, RepairMode>("modes", RepairMode::modes)};
+template <>
+inline constexpr std::array kWords<ClusterMode>{
+    std::pair<std::string_view, ClusterMode>("paper", ClusterMode::paper),
+    std::pair<std::string_view, ClusterMode>("grown", ClusterMode::grown)};
+
+// The value of a word that kWords has.
+template <class Mode>
+Mode value_of(std::string_view text, Mode otherwise) {
+  for (const auto& [word, value] : kWords<Mode>) {
+    if (word == text) return value;
+  }
+  return otherwise;
+}
 
 template <class Mode>
 std::string word_of(Mode mode) {

@@ -147,7 +147,7 @@ FrameResult Slam::process(const StereoImages& images) {
   }
   const Stopwatch watch;
   const std::shared_ptr<const FrameFeatures> features = measure(images);
-  FrameResult result = process(images.index, images.timestamp, features, images.left);
+  FrameResult result = process(images.timestamp, features, {images.index, images.left, images.depth});
   result.milliseconds = watch.milliseconds();
   timer_.add("frame", result.milliseconds);
   return result;
@@ -155,14 +155,15 @@ FrameResult Slam::process(const StereoImages& images) {
 
 FrameResult Slam::process_missing(int index, double timestamp) {
   const Stopwatch watch;
-  FrameResult result = process(index, timestamp, std::make_shared<FrameFeatures>(), {});
+  FrameResult result = process(timestamp, std::make_shared<FrameFeatures>(), {index, {}, {}});
   result.milliseconds = watch.milliseconds();
   timer_.add("frame", result.milliseconds);
   return result;
 }
 
-FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<const FrameFeatures>& features,
-                          const ByteImage& image) {
+FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFeatures>& features,
+                          const ImageToSegment& image) {
+  const int index = image.frame;
   FrameResult result;
   result.index = index;
   result.timestamp = timestamp;
@@ -171,8 +172,8 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<con
   frame.movable.assign(static_cast<std::size_t>(features->size()), 0);
   const FrameBeforePose unlocated{index, timestamp, features, tracker_.predicted_step(timestamp)};
   for (Dynamics* dynamics : dynamics_) dynamics->before_pose(unlocated, frame.movable);
-  if (settings_.semantics.mode == SegmentationMode::all && !image.empty()) {
-    segmentation_.submit(index, image);
+  if (settings_.semantics.mode == SegmentationMode::all && !image.image.empty()) {
+    segmentation_.submit(image);
     take_instances();
   }
   frame.index = index;
@@ -203,7 +204,7 @@ FrameResult Slam::process(int index, double timestamp, const std::shared_ptr<con
     result.keyframe = result.tracking.wants_keyframe;
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
-  if (is_segmented(result) && !image.empty()) segmentation_.submit(index, image);
+  if (is_segmented(result) && !image.image.empty()) segmentation_.submit(image);
   if (work) worker_.submit(std::move(*work));
 
   result.T_wc = frame.T_cw.inverse();

@@ -27,6 +27,7 @@
 #include "slam/backend/map_worker.h"
 #include "slam/dynamics/instance_tracker.h"
 #include "slam/dynamics/movers.h"
+#include "slam/dynamics/rgbd/depth_masks.h"
 #include "slam/dynamics/segmentation_worker.h"
 #include "slam/frontend/features/orb_extractor.h"
 #include "slam/frontend/features/stereo_order.h"
@@ -50,6 +51,8 @@ struct SemanticsSettings {
   // processors its threads would wait for each other whenever the tracker holds one of them.
   int threads = 0;
   InstanceTrackerSettings instances;
+  // How the segmenter that Slam is given makes masks of boxes; for who makes it.
+  DepthMaskSettings depth_masks;
 };
 
 // Every setting of the pipeline; each group is documented where it is used.
@@ -119,7 +122,7 @@ class Slam {
   FrameResult process(const StereoImages& images);
   // The same for a frame whose features were found elsewhere, without the image.
   FrameResult process(int index, double timestamp, const std::shared_ptr<const FrameFeatures>& features) {
-    return process(index, timestamp, features, {});
+    return process(timestamp, features, {index, {}, {}});
   }
   // Takes the place of a frame whose images cannot be had: it is lost, its pose is the predicted one.
   FrameResult process_missing(int index, double timestamp);
@@ -147,8 +150,9 @@ class Slam {
   const StageTimer& timer() const { return timer_; }
 
  private:
-  FrameResult process(int index, double timestamp, const std::shared_ptr<const FrameFeatures>& features,
-                      const ByteImage& image);
+  // `image`: with the frame's number, and without pixels where there are none.
+  FrameResult process(double timestamp, const std::shared_ptr<const FrameFeatures>& features,
+                      const ImageToSegment& image);
   std::shared_ptr<const FrameFeatures> measure(const StereoImages& images);
   SE3 step_from_last(const Frame& frame) const;
   void take_instances();

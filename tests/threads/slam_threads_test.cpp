@@ -106,7 +106,7 @@ TEST_F(SlamThreads, TakeInstancesWhileTheyTrack) {
   car.region = {180, 50, 90, 50};
   car.mask = ByteImage::filled(90, 50, 255);
   test::RecordedSlam slam(camera, Sensor::stereo, settings,
-                          [&](int, const ByteImage&) { return std::vector<Instance>{car}; });
+                          [&](const ImageToSegment&) { return std::vector<Instance>{car}; });
   for (const StereoImages& pair : images) slam.process(pair);
   slam.finish();
   EXPECT_EQ(slam.trajectory().size(), images.size());

@@ -47,6 +47,8 @@ class MovingConsistency {
   // Takes the next image (8-bit grey; its pixels are shared, not copied) and the objects in it. Nothing is
   // known of an object's points after the first image, a longer gap, or where no matrix was found.
   const std::vector<PointMotions>& check(int frame, const ByteImage& grey, std::span<const Instance> objects);
+  // Whether enough points were followed to say anything.
+  bool tells(const PointMotions& points) const { return points.followed >= settings_.fewest_moving; }
   bool moves(const PointMotions& points) const {
     return points.moving >= settings_.fewest_moving &&
            points.moving >= settings_.least_share * points.followed;

@@ -11,16 +11,16 @@
 namespace penumbra::slam {
 namespace {
 
-std::vector<Instance> one_instance(int frame, const ByteImage& /*image*/) {
+std::vector<Instance> one_instance(const ImageToSegment& image) {
   Instance instance;
-  instance.class_id = frame;
+  instance.class_id = image.frame;
   return {instance};
 }
 
 TEST(SegmentationWorker, InLineHandsOverAtTheNextTake) {
   SegmentationWorker worker(one_instance, /*threaded=*/false);
-  worker.submit(4, ByteImage());
-  worker.submit(5, ByteImage());
+  worker.submit({4, {}, {}});
+  worker.submit({5, {}, {}});
   const std::vector<SegmentedFrame> found = worker.take();
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].frame, 4);
@@ -33,15 +33,15 @@ TEST(SegmentationWorker, TheNewestImageWins) {
   std::shared_future<void> released = release.get_future().share();
   std::atomic<bool> started = false;
   SegmentationWorker worker(
-      [&](int frame, const ByteImage& image) {
+      [&](const ImageToSegment& image) {
         started = true;
         released.wait();
-        return one_instance(frame, image);
+        return one_instance(image);
       },
       /*threaded=*/true);
-  worker.submit(1, ByteImage());
+  worker.submit({1, {}, {}});
   while (!started) std::this_thread::yield();
-  for (int frame = 2; frame < 6; ++frame) worker.submit(frame, ByteImage());
+  for (int frame = 2; frame < 6; ++frame) worker.submit({frame, {}, {}});
   EXPECT_TRUE(worker.take().empty());  // nobody waited
   release.set_value();
   worker.drain();
@@ -56,30 +56,30 @@ TEST(SegmentationWorker, ItsNetworkHasTheThreadsThatItIsGiven) {
   const int before = omp_get_max_threads();
   int seen = 0;
   SegmentationWorker worker(
-      [&](int, const ByteImage&) {
+      [&](const ImageToSegment&) {
         seen = omp_get_max_threads();
         return std::vector<Instance>{};
       },
       /*threaded=*/true, before + 2);
-  worker.submit(0, ByteImage());
+  worker.submit({0, {}, {}});
   worker.drain();
   EXPECT_EQ(seen, before + 2);
   EXPECT_EQ(omp_get_max_threads(), before);  // of the caller's loops
 }
 
 TEST(SegmentationWorker, PassesErrorsOn) {
-  const auto fails = [](int, const ByteImage&) -> std::vector<Instance> { throw Error("no masks today"); };
+  const auto fails = [](const ImageToSegment&) -> std::vector<Instance> { throw Error("no masks today"); };
   SegmentationWorker in_line(fails, false);
-  EXPECT_THROW(in_line.submit(0, ByteImage()), Error);
+  EXPECT_THROW(in_line.submit({0, {}, {}}), Error);
   SegmentationWorker threaded(fails, true);
-  threaded.submit(0, ByteImage());
+  threaded.submit({0, {}, {}});
   EXPECT_THROW(threaded.drain(), Error);
 }
 
 TEST(SegmentationWorker, WithoutASegmenterFindsNothing) {
   SegmentationWorker worker({}, true);
   EXPECT_FALSE(worker.enabled());
-  worker.submit(0, ByteImage());
+  worker.submit({0, {}, {}});
   worker.drain();
   EXPECT_TRUE(worker.take().empty());
 }

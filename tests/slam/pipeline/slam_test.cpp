@@ -170,7 +170,8 @@ TEST(Slam, ResultsRepeatBitForBitWhateverTheThreads) {
 }
 
 // The upper, near wall is called a car.
-std::vector<Instance> upper_half(int /*frame*/, const ByteImage& image) {
+std::vector<Instance> upper_half(const ImageToSegment& from) {
+  const ByteImage& image = from.image;
   const Rect region{0, 0, image.width(), image.height() / 2};
   return {{3, "car", 0.9F, region, ByteImage::filled(region.width, region.height, 255)}};
 }
@@ -212,7 +213,8 @@ TEST(Slam, WhatStandsStaysInTheMapWhateverItsClass) {
 TEST(Slam, FramesThatCannotBeLocatedAreSegmentedLikeKeyframes) {
   const Walls walls;
   std::vector<int> segmented;
-  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {}, [&](int frame, const ByteImage&) {
+  test::RecordedSlam slam(walls.camera(), Sensor::stereo, {}, [&](const ImageToSegment& image) {
+    const int frame = image.frame;
     segmented.push_back(frame);
     return std::vector<Instance>{};
   });
@@ -234,7 +236,8 @@ TEST(Slam, EveryThirdFrameIsSegmentedWhereThereAreNoKeyframes) {
   write_map(folder / "walls.map", first.map());
 
   std::vector<int> segmented;
-  const auto segmenter = [&](int frame, const ByteImage&) {
+  const auto segmenter = [&](const ImageToSegment& image) {
+    const int frame = image.frame;
     segmented.push_back(frame);
     return std::vector<Instance>{};
   };

@@ -1,0 +1,208 @@
+// penumbra eval-masks: how good masks from boxes and depth are, where the exact ones are known.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "apps/common/commands.h"
+#include "apps/common/finite_number.h"
+#include "apps/common/progress_bar.h"
+#include "apps/slam/segmenter.h"
+#include "nn/base/error.h"
+#include "nn/image/grey.h"
+#include "nn/image/image_file.h"
+#include "nn/image/shapes.h"
+#include "slam/dynamics/rgbd/depth_masks.h"
+#include "slam/evaluation/depth_mask_evaluation.h"
+#include "slam/sources/folder_listing.h"
+#include "slam/sources/open_dataset.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+constexpr int kFewestPixels = 300, kShortestSide = 24;  // of an object that is looked at
+constexpr double kCleanFactor = 5000.0;                 // levels a metre, as in TUM's depth
+
+struct EvalMasksOptions {
+  std::string folder, masks, clean;
+  int step = 1;
+  double box_error = 0.02;
+};
+
+struct Method {
+  const char* name;
+  slam::RepairMode repair;
+  slam::ClusterMode clusters;
+  int k;
+};
+
+constexpr Method kMethods[] = {
+    {"paper, k = 2", slam::RepairMode::paper, slam::ClusterMode::paper, 2},
+    {"paper, k = 3", slam::RepairMode::paper, slam::ClusterMode::paper, 3},
+    {"grown, no repair", slam::RepairMode::off, slam::ClusterMode::grown, 8},
+    {"grown, repaired", slam::RepairMode::modes, slam::ClusterMode::grown, 8},
+};
+
+constexpr std::pair<const char*, slam::RepairMode> kRepairs[] = {{"paper", slam::RepairMode::paper},
+                                                                 {"border", slam::RepairMode::border},
+                                                                 {"median", slam::RepairMode::median},
+                                                                 {"modes", slam::RepairMode::modes}};
+
+constexpr const char* kGroups[] = {"people, whole", "people, cut off", "people, behind things",
+                                   "other things"};
+
+std::size_t group_of(const slam::Instance& truth, const FloatImage& depth) {
+  return truth.class_name == "person" ? static_cast<std::size_t>(slam::view_of(truth, depth)) : 3;
+}
+
+struct Mean {
+  double sum = 0.0;
+  int count = 0;
+};
+
+struct Results {
+  std::map<std::string, std::array<Mean, 4>> iou;  // by method and group
+  std::map<std::string, slam::RepairCount> repairs;
+};
+
+// What the methods make of an object of the frame, whose exact mask is `truth`.
+void judge(const slam::StereoImages& images, const FloatImage* clean, const slam::Instance& truth,
+           const Rect& box, double focal_length, Results& results) {
+  const ByteImage grey = to_grey(images.left);
+  const std::size_t group = group_of(truth, clean != nullptr ? *clean : images.depth);
+  const auto repaired = [&](slam::RepairMode mode, const Rect& where) {
+    FloatImage depth = images.depth.clone();
+    slam::DepthRepairSettings settings;
+    settings.mode = mode;
+    slam::DepthRepair(settings).apply(grey, where, depth);
+    return depth;
+  };
+  for (const Method& method : kMethods) {
+    slam::ObjectInBoxSettings settings;
+    settings.mode = method.clusters;
+    settings.clusters = method.k;
+    slam::ObjectMask mask;
+    slam::ObjectInBox(focal_length, settings).find(images.left, repaired(method.repair, box), box, {}, mask);
+    slam::Instance found;
+    found.region = box;
+    found.mask = mask.mask;
+    Mean& mean = results.iou[method.name][group];
+    mean.sum += slam::mask_iou(truth, found);
+    ++mean.count;
+  }
+  if (clean == nullptr || group == 3) return;
+  for (const auto& [name, mode] : kRepairs)
+    slam::count_repair(truth, images.depth, repaired(mode, truth.region), *clean, results.repairs[name]);
+}
+
+FloatImage read_metres(const std::filesystem::path& path) {
+  const WordImage levels = nn::read_depth_image(path);
+  FloatImage metres(levels.width(), levels.height());
+  std::transform(levels.data(), levels.data() + levels.elements(), metres.data(),
+                 [](std::uint16_t level) { return static_cast<float>(level / kCleanFactor); });
+  return metres;
+}
+
+void print(const Results& results) {
+  fmt::print("Mean IoU of masks (objects)\n\n| method |");
+  for (const char* group : kGroups) fmt::print(" {} |", group);
+  fmt::print("\n|---|---|---|---|---|\n");
+  for (const Method& method : kMethods) {
+    fmt::print("| {} |", method.name);
+    for (const Mean& mean : results.iou.at(method.name)) {
+      if (mean.count == 0) {
+        fmt::print(" |");
+      } else {
+        fmt::print(" {:.3f} ({}) |", mean.sum / mean.count, mean.count);
+      }
+    }
+    fmt::print("\n");
+  }
+  if (results.repairs.empty()) return;
+  fmt::print(
+      "\nRepair in people's boxes\n\n| mode | holes on people filled % | RMSE of those m | holes of the "
+      "background filled wrongly % |\n|---|---|---|---|\n");
+  for (const auto& [name, mode] : kRepairs) {
+    const slam::RepairCount& count = results.repairs.at(name);
+    fmt::print("| {} | {:.1f} | {:.3f} | {:.1f} |\n", name, 100.0 * count.filled_share(), count.rmse(),
+               100.0 * count.wrong_share());
+  }
+}
+
+void run_eval_masks(const EvalMasksOptions& options) {
+  slam::DatasetOptions from;
+  from.step = options.step;
+  const auto dataset = slam::open_dataset(options.folder, from);
+  if (dataset->sensor() != slam::Sensor::rgbd)
+    throw InputError(options.folder, "an RGB-D recording", dataset->name());
+  const auto place = [&](const std::string& given, const char* usual) {
+    return given.empty() ? std::filesystem::path(options.folder) / usual : std::filesystem::path(given);
+  };
+  const slam::Segmenter truths = make_mask_reader(place(options.masks, "instances"));
+  std::vector<std::string> notes;
+  std::vector<std::filesystem::path> clean_files;
+  const std::filesystem::path clean_folder = place(options.clean, "depth_clean");
+  if (!options.clean.empty() || std::filesystem::exists(clean_folder))
+    clean_files = slam::list_images(clean_folder, notes);
+
+  Results results;
+  for (const Method& method : kMethods) results.iou[method.name] = {};
+  ProgressBar progress("Masks", dataset->size());
+  for (int i = 0; i < dataset->size(); ++i) {
+    const slam::StereoImages images = dataset->load(i);
+    const auto at = static_cast<std::size_t>(images.index);
+    FloatImage clean;
+    if (at < clean_files.size()) clean = read_metres(clean_files[at]);
+    if (!clean.empty() && clean.size() != images.left.size()) {
+      throw InputError(clean_files[at].string(),
+                       fmt::format("{}x{} pixels", images.left.width(), images.left.height()),
+                       fmt::format("{}x{}", clean.width(), clean.height()));
+    }
+    std::uint64_t number = 0;
+    for (const slam::Instance& truth : truths({images.index, images.left, images.depth})) {
+      ++number;
+      if (count_pixels(truth.mask) < kFewestPixels || truth.region.width < kShortestSide ||
+          truth.region.height < kShortestSide)
+        continue;
+      const Rect box =
+          slam::jittered(truth.region, options.box_error,
+                         static_cast<std::uint64_t>(images.index) * 1000 + number, images.left.size());
+      judge(images, clean.empty() ? nullptr : &clean, truth, box, dataset->camera().fx, results);
+    }
+    progress.update(i + 1);
+  }
+  print(results);
+}
+
+}  // namespace
+
+void add_eval_masks_command(CLI::App& app) {
+  const auto options = std::make_shared<EvalMasksOptions>();
+  CLI::App* command = app.add_subcommand("eval-masks", "Compare masks from boxes and depth with exact ones");
+  command->footer(R"(Examples:
+  penumbra eval-masks out/walking_xyz --step 5
+  penumbra eval-masks out/walking_xyz --box-error 0
+
+Takes the boxes of exact masks, off by --box-error as a detector's are, and finds the objects in them by depth: in the letter of
+the paper and as --dynamics depth-clusters does. Prints the mean IoU with the exact masks, people by how they are seen, and, where
+the recording has clean depth, what each way to repair it fills, and how well. docs/dynamics/depth-clusters.md has the table.)");
+  command->add_option("folder", options->folder, "RGB-D recording, as `penumbra synth` writes it")
+      ->required();
+  command->add_option("--masks", options->masks, "its exact masks (default: instances in the folder)")
+      ->type_name("DIR");
+  command
+      ->add_option("--clean-depth", options->clean,
+                   "its depth without noise (default: depth_clean in the folder)")
+      ->type_name("DIR");
+  command->add_option("--step", options->step, "every how many frames")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--box-error", options->box_error, "most that a box's side is off, share of the box")
+      ->check(number_from(0.0, 0.5, "a share from 0 to 0.5"))
+      ->capture_default_str();
+  command->callback([options] { run_eval_masks(*options); });
+}
+
+}  // namespace penumbra::apps
