@@ -25,7 +25,9 @@ struct AblateOptions {
   std::vector<std::string> weights;  // NAME=FILE or FILE
   std::vector<int> seeds = {1, 2, 3};
   int frames = 470;
-  std::string size = "620x188";
+  std::string size;  // empty: 620x188 of the street, 640x480 of the office
+  std::string segmentation = "keyframes";
+  int runs = 0;
   bool json = false;
 };
 
@@ -52,24 +54,43 @@ Size drive_size(const std::string& text) {
   throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
 }
 
+// The cell, with every network where it takes masks or boxes of one.
+void add_cells(AblationCell cell, const std::vector<NamedWeights>& weights,
+               std::vector<AblationCell>& cells) {
+  const bool by_network = cell.masks == MaskSource::classes || cell.masks == MaskSource::geometry;
+  const bool by_either = cell.masks != MaskSource::none && cell.masks != MaskSource::movers &&
+                         cell.masks != MaskSource::truth;  // a network's, or exact ones
+  if (by_network && weights.empty())
+    throw UsageError(fmt::format("--masks {}: needs --weights", name_of(cell.masks)));
+  if (!by_either || weights.empty()) {
+    cells.push_back(cell);
+    return;
+  }
+  for (const NamedWeights& network : weights) {
+    cell.weights = network.name;
+    cells.push_back(cell);
+  }
+}
+
 std::vector<AblationCell> list_cells(const AblateOptions& options, const std::vector<NamedWeights>& weights) {
-  const Size size = drive_size(options.size);
   std::vector<AblationCell> cells;
   for (const std::string& preset : options.presets) {
     for (const int seed : options.seeds) {
       for (const std::string& masks : options.masks) {
         for (const std::string& filter : options.filters) {
-          AblationCell cell{preset, seed, options.frames, size, parse_mask_source(masks), "", filter};
-          const bool by_network = cell.masks == MaskSource::classes || cell.masks == MaskSource::geometry;
-          if (!by_network) {
-            cells.push_back(cell);
-            continue;
-          }
-          if (weights.empty()) throw UsageError(fmt::format("--masks {}: needs --weights", masks));
-          for (const NamedWeights& network : weights) {
-            cell.weights = network.name;
-            cells.push_back(cell);
-          }
+          AblationCell cell{.preset = preset,
+                            .seed = seed,
+                            .frames = options.frames,
+                            .size = {},
+                            .masks = parse_mask_source(masks),
+                            .weights = "",
+                            .filter = filter,
+                            .all_frames = options.segmentation == "all"};
+          cell.size = drive_size(!options.size.empty() ? options.size
+                                 : cell.is_office()    ? "640x480"
+                                                       : "620x188");
+          for (cell.run = options.runs > 0 ? 1 : 0; cell.run <= options.runs; ++cell.run)
+            add_cells(cell, weights, cells);
         }
       }
     }
@@ -77,12 +98,10 @@ std::vector<AblationCell> list_cells(const AblateOptions& options, const std::ve
   return cells;
 }
 
-slam::Segmenter segmenter_of(const AblationCell& cell, const std::filesystem::path& drive,
-                             const std::vector<NamedWeights>& weights) {
-  if (cell.masks == MaskSource::truth) return make_mask_reader(drive / "sequences/00/instances");
+// The file of the cell's network; empty: it has none.
+std::string weights_of(const AblationCell& cell, const std::vector<NamedWeights>& weights) {
   for (const NamedWeights& network : weights) {
-    if (network.name == cell.weights)
-      return make_segmenter(load_network(network.file, "", slam_network_config()), {}, {});
+    if (network.name == cell.weights) return network.file;
   }
   return {};
 }
@@ -96,13 +115,16 @@ nlohmann::json result_of(const AblationCell& cell, const AblateOptions& options,
     if (known.is_object()) return known;
   }
   const std::filesystem::path drive = render_drive(cell, options.out / "drives");
-  nlohmann::json result = run_cell(cell, drive, segmenter_of(cell, drive, weights));
+  nlohmann::json result = run_cell(cell, drive, weights_of(cell, weights));
   result["preset"] = cell.preset;
   result["seed"] = cell.seed;
   result["frames"] = cell.frames;
   result["masks"] = name_of(cell.masks);
   result["weights"] = cell.weights;
   result["filter"] = cell.filter;
+  result["office"] = cell.is_office();
+  result["all_frames"] = cell.all_frames;
+  result["run"] = cell.run;
   nn::write_file(file, result.dump(2) + "\n");
   return result;
 }
@@ -125,7 +147,8 @@ void run_ablate(const AblateOptions& options) {
     progress.update(static_cast<int>(results.size()));
   }
   const nlohmann::json rows = summarise_cells(results);
-  const std::string table = format_table(rows);
+  const std::string office = format_office_table(rows);
+  const std::string table = format_table(rows) + (office.empty() ? "" : "\n" + office);
   nn::write_file(options.out / "ablation.md", table);
   nn::write_file(options.out / "ablation.json", rows.dump(2) + "\n");
   fmt::print("{}", options.json ? rows.dump(2) + "\n" : table);
@@ -135,30 +158,45 @@ void run_ablate(const AblateOptions& options) {
 
 void add_ablate_command(CLI::App& app) {
   const auto options = std::make_shared<AblateOptions>();
-  CLI::App* command =
-      app.add_subcommand("ablate", "Measure what masks and filters are worth, on synthetic drives");
+  CLI::App* command = app.add_subcommand(
+      "ablate", "Measure what masks and filters are worth, on synthetic drives and offices");
   command->footer(R"(Examples:
   penumbra ablate --out out/ablation
   penumbra ablate --presets lorry,lorry-close --frames 200 --masks none,movers,truth --out out/lorry
   penumbra ablate --masks classes,geometry --weights mam=mam.safetensors,fpn=fpn.safetensors --out out/networks
+
+  penumbra ablate --presets walking-xyz,sitting-xyz --masks none,boxes,clusters,truth --frames 150 --out out/people
+  penumbra ablate --presets walking-static --masks clusters --runs 10 --frames 150 --seeds 1 --out out/ten
 
 Cells that are in the --out folder already are not run again. Writes ablation.md and ablation.json.)");
   command->add_option("--out", options->out, "folder for drives and results")->required()->type_name("DIR");
   const auto list = [&](const char* name, auto& value, const char* help) {
     command->add_option(name, value, help)->delimiter(',')->capture_default_str();
   };
-  list("--presets", options->presets, "of the street: easy, street, crowded, lorry, lorry-close");
+  list("--presets", options->presets,
+       "of the street: easy, street, crowded, lorry, lorry-close; of the office: those of `penumbra synth`");
   list("--masks", options->masks,
-       "none; movers (no masks, geometry alone); classes, geometry (by the networks); truth (exact masks)");
+       "none; movers (no masks, geometry alone); classes, geometry (by the networks); of RGB-D boxes, "
+       "clusters-unrepaired, clusters, clusters-consistent (by the networks' boxes, or exact ones); truth "
+       "(exact "
+       "masks)");
   list("--filters", options->filters, "mismatch filters: off, paper, adaptive, compensated");
   list("--weights", options->weights, "networks, NAME=FILE or FILE");
   list("--seeds", options->seeds, "of the street");
   command->add_option("--frames", options->frames, "of each drive; 401 are once round the block")
       ->check(CLI::Range(2, 20000))
       ->capture_default_str();
-  command->add_option("--size", options->size, "of the images, pixels")
-      ->capture_default_str()
+  command
+      ->add_option("--size", options->size, "of the images, pixels (default: 620x188, of the office 640x480)")
       ->type_name("WxH");
+  command->add_option("--segmentation", options->segmentation, "frames that are segmented")
+      ->check(CLI::IsMember({"keyframes", "all"}))
+      ->capture_default_str();
+  command
+      ->add_option("--runs", options->runs,
+                   "run each cell so often with all threads (default: once, deterministic)")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
   command->add_flag("--json", options->json, "the table as JSON on stdout");
   command->callback([options] { run_ablate(*options); });
 }

@@ -1,11 +1,13 @@
 #include "apps/slam/ablation.h"
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
 
+#include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
 #include "nn/base/quantile.h"
 #include "slam/evaluation/alignment.h"
@@ -16,27 +18,44 @@
 #include "slam/sources/open_dataset.h"
 #include "slam/sources/prefetcher.h"
 #include "slam/world/layouts.h"
+#include "slam/world/office_sequence.h"
 #include "slam/world/street_sequence.h"
 
 namespace penumbra::apps {
 
 namespace {
 
-constexpr std::pair<const char*, MaskSource> kSources[] = {{"none", MaskSource::none},
-                                                           {"movers", MaskSource::movers},
-                                                           {"classes", MaskSource::classes},
-                                                           {"geometry", MaskSource::geometry},
-                                                           {"truth", MaskSource::truth}};
+constexpr std::pair<const char*, MaskSource> kSources[] = {
+    {"none", MaskSource::none},         {"movers", MaskSource::movers},
+    {"classes", MaskSource::classes},   {"geometry", MaskSource::geometry},
+    {"boxes", MaskSource::boxes},       {"clusters-unrepaired", MaskSource::clusters_unrepaired},
+    {"clusters", MaskSource::clusters}, {"clusters-consistent", MaskSource::clusters_consistent},
+    {"truth", MaskSource::truth}};
 
 constexpr const char* kComplete = ".complete";  // marks a drive that was rendered to its end
 
+bool uses_clusters(MaskSource source) {
+  return source == MaskSource::clusters_unrepaired || source == MaskSource::clusters ||
+         source == MaskSource::clusters_consistent;
+}
+
 slam::SlamSettings settings_of(const AblationCell& cell) {
   slam::SlamSettings settings;
-  settings.deterministic = true;
+  settings.deterministic = cell.run == 0;
+  if (cell.all_frames) settings.semantics.mode = slam::SegmentationMode::all;
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(cell.filter);
   settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
       cell.masks != MaskSource::none;
-  settings.semantics.instances.check_motion = cell.masks != MaskSource::classes;
+  settings.semantics.instances.check_motion =
+      cell.masks == MaskSource::geometry || (cell.masks == MaskSource::truth && !cell.is_office());
+  slam::DepthMaskSettings& depth = settings.semantics.depth_masks;
+  depth.consistency.enabled = cell.masks == MaskSource::clusters_consistent;
+  if (cell.masks == MaskSource::clusters_unrepaired) depth.repair.mode = slam::RepairMode::off;
+  if (cell.masks == MaskSource::boxes) {
+    depth.masks = slam::InstanceMasks::boxes;
+  } else if (uses_clusters(cell.masks)) {
+    depth.masks = slam::InstanceMasks::depth_clusters;
+  }
   return settings;
 }
 
@@ -71,8 +90,9 @@ MaskSource parse_mask_source(const std::string& name) {
   for (const auto& [known, source] : kSources) {
     if (name == known) return source;
   }
-  throw UsageError(
-      fmt::format("--masks: expected 'none', 'movers', 'classes', 'geometry' or 'truth', found '{}'", name));
+  std::vector<std::string> names;
+  for (const auto& [known, source] : kSources) names.emplace_back(known);
+  throw UsageError(fmt::format("--masks: expected one of {}, found '{}'", fmt::join(names, ", "), name));
 }
 
 std::string name_of(MaskSource source) {
@@ -87,13 +107,29 @@ std::string AblationCell::drive_name() const {
 }
 
 std::string AblationCell::name() const {
-  return fmt::format("{}_{}{}_{}", drive_name(), name_of(masks), weights.empty() ? "" : "-" + weights,
-                     filter);
+  return fmt::format("{}_{}{}_{}{}{}", drive_name(), name_of(masks), weights.empty() ? "" : "-" + weights,
+                     filter, all_frames ? "_all" : "", run == 0 ? "" : fmt::format("_run{}", run));
+}
+
+bool AblationCell::is_office() const {
+  constexpr std::string_view kBegins[] = {"walking-", "sitting-", "desk", "twolaps"};
+  return std::any_of(std::begin(kBegins), std::end(kBegins),
+                     [&](std::string_view begin) { return preset.rfind(begin, 0) == 0; });
 }
 
 std::filesystem::path render_drive(const AblationCell& cell, const std::filesystem::path& folder) {
   const std::filesystem::path drive = folder / cell.drive_name();
   if (std::filesystem::exists(drive / kComplete)) return drive;
+  if (cell.is_office()) {
+    slam::synthetic::OfficeSettings settings = slam::synthetic::office_preset(cell.preset);
+    settings.frames = cell.frames;
+    settings.seed = static_cast<std::uint32_t>(cell.seed);
+    settings.size = cell.size;
+    slam::synthetic::OfficeSequence sequence(settings);
+    slam::synthetic::write_tum_layout(sequence, drive, /*overwrite=*/true);
+    std::ofstream(drive / kComplete) << "\n";
+    return drive;
+  }
   slam::synthetic::SequenceSettings settings;
   settings.street = slam::synthetic::street_preset(cell.preset);
   settings.frames = cell.frames;
@@ -107,9 +143,18 @@ std::filesystem::path render_drive(const AblationCell& cell, const std::filesyst
 }
 
 nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& drive,
-                        const slam::Segmenter& segmenter) {
+                        const std::string& weights) {
   const auto dataset = slam::open_dataset(drive.string(), {});
-  slam::Slam slam(dataset->camera(), dataset->sensor(), settings_of(cell), segmenter);
+  const slam::SlamSettings settings = settings_of(cell);
+  slam::Segmenter segmenter;
+  if (!weights.empty()) {
+    segmenter = make_segmenter(load_network(weights, "", slam_network_config()), dataset->camera(),
+                               settings.semantics);
+  } else if (cell.masks != MaskSource::none && cell.masks != MaskSource::movers) {
+    segmenter = make_segmenter(drive / (cell.is_office() ? "instances" : "sequences/00/instances"),
+                               dataset->camera(), settings.semantics);
+  }
+  slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter);
   slam::Recorder record(slam);
   for (slam::Prefetcher frames(*dataset); frames.has_next();) record.add(slam.process(frames.next()));
   record.finish();
@@ -120,6 +165,7 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
   const slam::Trajectory& truth = *dataset->ground_truth();
   slam::EvaluationOptions options;
   options.segment_lengths = {10.0, 20.0, 40.0};
+  if (cell.is_office()) options.rpe_frames = std::min(30, cell.frames - 1);  // a second
   const slam::Trajectory estimate = record.trajectory();
   const slam::Evaluation e = slam::evaluate_trajectory(truth, estimate, options);
   const slam::LoopEvaluation loops = loops_of(slam, truth);
@@ -133,6 +179,13 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
                          {"lost", record.lost() - occluded},
                          {"occluded", occluded},
                          {"keyframes", slam.map().keyframes().size()}};
+  const auto add_statistics = [&](const char* name, const slam::ErrorStatistics& errors) {
+    json[fmt::format("{}_mean_m", name)] = errors.mean;
+    json[fmt::format("{}_median_m", name)] = errors.median;
+    json[fmt::format("{}_sd_m", name)] = errors.std;
+  };
+  add_statistics("ate", e.ape);
+  add_statistics("rpe", e.rpe_frames);
   const auto& stages = slam.timer().stages();
   if (const auto frame = stages.find("frame"); frame != stages.end())
     json["median_ms"] = quantile_of(frame->second.values(), 0.5);
@@ -145,18 +198,21 @@ nlohmann::json summarise_cells(const nlohmann::json& cells) {
   std::vector<std::map<std::string, std::vector<double>>> values;
   for (const nlohmann::json& cell : cells) {
     const std::string key =
-        fmt::format("{} {} {} {}", cell.at("preset").get<std::string>(), cell.at("masks").get<std::string>(),
-                    cell.at("weights").get<std::string>(), cell.at("filter").get<std::string>());
+        fmt::format("{} {} {} {} {}", cell.at("preset").get<std::string>(),
+                    cell.at("masks").get<std::string>(), cell.at("weights").get<std::string>(),
+                    cell.at("filter").get<std::string>(), cell.value("all_frames", false));
     const auto [at, added] = row_of.emplace(key, rows.size());
     if (added) {
       rows.push_back({{"preset", cell["preset"]},
                       {"masks", cell["masks"]},
                       {"weights", cell["weights"]},
-                      {"filter", cell["filter"]}});
+                      {"filter", cell["filter"]},
+                      {"office", cell.value("office", false)},
+                      {"all_frames", cell.value("all_frames", false)}});
       values.emplace_back();
     }
     for (const auto& [name, value] : cell.items()) {
-      if (value.is_number() && name != "seed" && name != "frames")
+      if (value.is_number() && name != "seed" && name != "frames" && name != "run")
         values[at->second][name].push_back(value.get<double>());
     }
   }
@@ -194,6 +250,29 @@ std::string format_table(const nlohmann::json& rows) {
         100.0 * mean("loop_recall"), mean("lost"), mean("occluded"), mean("median_ms"));
   }
   return table;
+}
+
+std::string format_office_table(const nlohmann::json& rows) {
+  std::string table;
+  for (const nlohmann::json& row : rows) {
+    if (!row["office"].get<bool>()) continue;
+    const auto figures = [&](const std::string& name) {
+      const auto mean = [&](const std::string& key) { return row[key]["mean"].get<double>(); };
+      return fmt::format("{:.4f} ± {:.4f} | {:.4f} | {:.4f} | {:.4f}", mean(name + "_m"),
+                         row[name + "_m"]["std"].get<double>(), mean(name + "_mean_m"),
+                         mean(name + "_median_m"), mean(name + "_sd_m"));
+    };
+    const std::string weights = row["weights"].get<std::string>();
+    table += fmt::format("| {} | {}{}{} | {} | {} | {} | {:.0f} |\n", row["preset"].get<std::string>(),
+                         row["masks"].get<std::string>(), weights.empty() ? "" : " (" + weights + ")",
+                         row["all_frames"].get<bool>() ? ", all frames" : "", row["seeds"].get<int>(),
+                         figures("ate"), figures("rpe"), row["median_ms"]["mean"].get<double>());
+  }
+  if (table.empty()) return table;
+  return "| preset | masks | runs | ATE rmse | mean | median | SD | RPE rmse | mean | median | SD | ms a "
+         "frame |\n"
+         "|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
+         table;
 }
 
 }  // namespace penumbra::apps

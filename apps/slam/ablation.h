@@ -1,4 +1,5 @@
-// The ablation of the semantics: one synthetic drive, run with one combination of what the SLAM can use.
+// The ablation of the semantics: one synthetic drive or office, run with one combination of what the SLAM can
+// use.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +12,19 @@
 
 namespace penumbra::apps {
 
-// What leaves features out, from nothing to the upper bound.
+// What leaves features out, from nothing to the upper bound. In the office whatever can move is left out,
+// unless geometry is asked for.
 enum class MaskSource {
-  none,      // every feature is taken for the world's; nothing looks for movers
-  movers,    // no masks, large rigid movers found by geometry alone
-  classes,   // the network's masks; whatever can move is left out, as DynaSLAM does
-  geometry,  // the network's masks; what geometry finds moving is left out
-  truth,     // exact masks, geometry decides what moves
+  none,                 // every feature is taken for the world's; nothing looks for movers
+  movers,               // no masks, large rigid movers found by geometry alone
+  classes,              // the network's masks; whatever can move is left out, as DynaSLAM does
+  geometry,             // the network's masks; what geometry finds moving is left out
+  boxes,                // whole boxes, of the network or exact
+  clusters_unrepaired,  // what the depths in those boxes say (slam/dynamics/rgbd/depth_masks.h); of RGB-D
+                        // alone
+  clusters,             // the same with holes repaired first
+  clusters_consistent,  // and what is seen to move, too
+  truth,                // exact masks; on the street geometry decides what moves
 };
 
 MaskSource parse_mask_source(const std::string& name);  // UsageError for another name
@@ -30,7 +37,10 @@ struct AblationCell {
   MaskSource masks = MaskSource::none;
   std::string weights;  // name of the network; empty where masks come from none
   std::string filter = "adaptive";
+  bool all_frames = false;  // are segmented, before they are located; else keyframes
+  int run = 0;              // 0: the only one, deterministic; else with all threads, as runs vary
 
+  bool is_office() const;  // the preset is one of the office's
   std::string drive_name() const;
   std::string name() const;  // of its file
 };
@@ -38,15 +48,19 @@ struct AblationCell {
 // Renders the cell's drive below `folder` unless it is there, whole, already.
 std::filesystem::path render_drive(const AblationCell& cell, const std::filesystem::path& folder);
 
-// Keys: ate_m, rpe_m, angle_deg, loops, loop_precision, loop_recall (of the keyframes, see
-// slam/evaluation/loop_evaluation.h), tracked, lost, occluded, median_ms. Runs deterministically; segments
-// keyframes.
+// Keys: ate_m, rpe_m (root mean squares; of the office's RPE over a second, else a frame), ate_mean_m,
+// ate_median_m, ate_sd_m and the same of rpe, angle_deg, loops, loop_precision, loop_recall (of the
+// keyframes, see slam/evaluation/loop_evaluation.h), tracked, lost, occluded, median_ms. `weights`: file of
+// the cell's network; empty: exact boxes and masks.
 nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& drive,
-                        const slam::Segmenter& segmenter);
+                        const std::string& weights);
 
 // Rows of the table: cells that differ by nothing but their seed, mean and standard deviation of each figure.
 // `cells`: objects with the cell's keys and run_cell's.
 nlohmann::json summarise_cells(const nlohmann::json& cells);
 std::string format_table(const nlohmann::json& rows);
+// As the paper's tables 1 to 3: RMSE, mean, median and standard deviation of ATE and RPE, of the office's
+// rows; empty where there are none.
+std::string format_office_table(const nlohmann::json& rows);
 
 }  // namespace penumbra::apps
