@@ -13,6 +13,7 @@ void add_bench_command(CLI::App& app) {
   add_layers_benchmark(*bench);
   add_network_benchmark(*bench);
   add_image_benchmark(*bench);
+  add_depth_masks_benchmark(*bench);
   add_slam_benchmark(*bench);
   bench->footer(
       "Examples:\n"

@@ -42,6 +42,7 @@ void add_conv_benchmark(CLI::App& bench);
 void add_layers_benchmark(CLI::App& bench);
 void add_network_benchmark(CLI::App& bench);
 void add_image_benchmark(CLI::App& bench);
+void add_depth_masks_benchmark(CLI::App& bench);
 void add_slam_benchmark(CLI::App& bench);
 
 }  // namespace penumbra::apps

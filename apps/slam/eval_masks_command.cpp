@@ -8,6 +8,7 @@
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
 #include "apps/common/progress_bar.h"
+#include "apps/slam/mask_pictures.h"
 #include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
 #include "nn/image/grey.h"
@@ -26,7 +27,7 @@ constexpr int kFewestPixels = 300, kShortestSide = 24;  // of an object that is 
 constexpr double kCleanFactor = 5000.0;                 // levels a metre, as in TUM's depth
 
 struct EvalMasksOptions {
-  std::string folder, masks, clean;
+  std::string folder, masks, clean, pictures;
   int step = 1;
   double box_error = 0.02;
 };
@@ -66,6 +67,19 @@ struct Results {
   std::map<std::string, std::array<Mean, 4>> iou;  // by method and group
   std::map<std::string, slam::RepairCount> repairs;
 };
+
+// Writes the steps of the last method for a person who is large enough to be looked at.
+void draw(const slam::StereoImages& images, const slam::Instance& truth, const Rect& box, double focal_length,
+          const std::filesystem::path& folder) {
+  constexpr int kLeastHeight = 120;  // pixels
+  if (truth.class_name != "person" || box.height < kLeastHeight) return;
+  FloatImage depth = images.depth.clone();
+  slam::DepthRepair().apply(to_grey(images.left), box, depth);
+  slam::ObjectMask mask;
+  slam::ObjectInBox(focal_length, {}).find(images.left, depth, box, {}, mask);
+  nn::write_image(folder / fmt::format("{:06d}_{}.png", images.index, box.x),
+                  mask_steps(images.left, images.depth, depth, box, mask));
+}
 
 // What the methods make of an object of the frame, whose exact mask is `truth`.
 void judge(const slam::StereoImages& images, const FloatImage* clean, const slam::Instance& truth,
@@ -147,6 +161,7 @@ void run_eval_masks(const EvalMasksOptions& options) {
   if (!options.clean.empty() || std::filesystem::exists(clean_folder))
     clean_files = slam::list_images(clean_folder, notes);
 
+  if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
   Results results;
   for (const Method& method : kMethods) results.iou[method.name] = {};
   ProgressBar progress("Masks", dataset->size());
@@ -169,6 +184,7 @@ void run_eval_masks(const EvalMasksOptions& options) {
       const Rect box =
           slam::jittered(truth.region, options.box_error,
                          static_cast<std::uint64_t>(images.index) * 1000 + number, images.left.size());
+      if (!options.pictures.empty()) draw(images, truth, box, dataset->camera().fx, options.pictures);
       judge(images, clean.empty() ? nullptr : &clean, truth, box, dataset->camera().fx, results);
     }
     progress.update(i + 1);
@@ -183,7 +199,7 @@ void add_eval_masks_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("eval-masks", "Compare masks from boxes and depth with exact ones");
   command->footer(R"(Examples:
   penumbra eval-masks out/walking_xyz --step 5
-  penumbra eval-masks out/walking_xyz --box-error 0
+  penumbra eval-masks out/walking_xyz --box-error 0 --pictures out/steps
 
 Takes the boxes of exact masks, off by --box-error as a detector's are, and finds the objects in them by depth: in the letter of
 the paper and as --dynamics depth-clusters does. Prints the mean IoU with the exact masks, people by how they are seen, and, where
@@ -195,6 +211,11 @@ the recording has clean depth, what each way to repair it fills, and how well. d
   command
       ->add_option("--clean-depth", options->clean,
                    "its depth without noise (default: depth_clean in the folder)")
+      ->type_name("DIR");
+  command
+      ->add_option(
+          "--pictures", options->pictures,
+          "folder for pictures of the steps, one for each person and frame; made where it is missing")
       ->type_name("DIR");
   command->add_option("--step", options->step, "every how many frames")
       ->check(CLI::Range(1, 100000))

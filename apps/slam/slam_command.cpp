@@ -24,7 +24,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
   penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
   penumbra slam rgbd_dataset_freiburg1_xyz --dense --out out/xyz   and what it saw as a dense map and a plan of the floor
-  penumbra slam out/office --weights yolov5n.safetensors --dynamics depth-clusters --out out/people
+  penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics depth-clusters --out out/people
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map

@@ -89,6 +89,49 @@ TEST(SlamCommand, TakesMasksInsteadOfANetwork) {
   EXPECT_NE(torn.err.find("instances.json"), std::string::npos) << torn.err;
 }
 
+// Exact masks' boxes stand for a detector's.
+TEST(SlamCommand, MakesMasksOfBoxesByDepth) {
+  const test::TemporaryDirectory folder;
+  const std::string office = (folder / "office").string();
+  ASSERT_EQ(test::run_penumbra("synth --scene office --frames 5 --annotations --size 320x240 --out " + office)
+                .exit_code,
+            0);
+  const auto run = [&](const std::string& options) {
+    return test::run_penumbra(
+        fmt::format("slam '{0}' --out '{0}/out' --deterministic --segmentation all {1}", office, options));
+  };
+  const std::string masks = fmt::format("--masks '{}/instances' ", office);
+  const auto movable = [&](const std::string& options) {
+    const test::ProgramResult result = run(options);
+    EXPECT_EQ(result.exit_code, 0) << options << result.err;
+    return nlohmann::json::parse(contents(folder / "office/out/run.json")).at("movable_features").get<int>();
+  };
+  const int exact = movable(masks + "--moving class"), boxes = movable(masks + "--dynamics boxes");
+  const int clusters = movable(masks + "--dynamics depth-clusters");
+  EXPECT_GT(exact, 0);
+  EXPECT_GT(boxes, exact);
+  EXPECT_GT(clusters, 0);
+  EXPECT_LE(clusters, boxes);
+  for (const char* options : {"--repair off", "--repair paper --clusters paper",
+                              "--repair border --consistency off", "--repair median --moving geometry"})
+    movable(masks + "--dynamics depth-clusters " + options);
+
+  const test::ProgramResult nothing = run("--dynamics depth-clusters");
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_NE(nothing.err.find("needs --weights"), std::string::npos) << nothing.err;
+  EXPECT_EQ(run(masks + "--dynamics guesses").exit_code, 2);
+}
+
+TEST(SlamCommand, NeedsDepthForDepthClusters) {
+  const test::TemporaryDirectory folder;
+  const std::string street = (folder / "street").string();
+  ASSERT_EQ(test::run_penumbra("synth --frames 2 --size 310x94 --out " + street).exit_code, 0);
+  const test::ProgramResult result = test::run_penumbra(fmt::format(
+      "slam '{0}' --out '{0}/out' --masks '{0}/sequences/00/instances' --dynamics depth-clusters", street));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("RGB-D"), std::string::npos) << result.err;
+}
+
 TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {
   PENUMBRA_REAL_DATA(kitti, "kitti");
   const test::TemporaryDirectory folder;

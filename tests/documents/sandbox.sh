@@ -55,6 +55,7 @@ synth --sensor rgbd --frames 8 --out rgbd_dataset_freiburg1_xyz
 cp rgbd_dataset_freiburg1_xyz/groundtruth.txt groundtruth.txt
 
 synth --frames 8 --annotations --out out/street
+synth --scene office --frames 6 --annotations --out out/walking_xyz
 synth --frames 2 --annotations --out street
 cp street/annotations/instances.json instances_val2017.json
 ln -s street val2017
@@ -86,7 +87,7 @@ cp kitti/poses/00.txt out/block/poses/
 cp -r out/block out/shifted
 small="$source/weights_tools/models/penumbra-tiny.safetensors"
 for name in maskrcnn.safetensors maskrcnn_resnet50_fpn_coco.pth maskrcnn_resnet50_fpn.pth maskrcnn_r50fpn.pth maskrcnn.pth w.safetensors yolov5s.pt \
-    mam.safetensors fpn.safetensors yolov5n-seg.pt yolov5n-seg.pth yolov5n-seg.safetensors out/baseline/weights.safetensors out/mine/weights.safetensors; do
+    mam.safetensors fpn.safetensors yolov5n-seg.pt yolov5n-seg.pth yolov5n-seg.safetensors yolov5n.safetensors out/baseline/weights.safetensors out/mine/weights.safetensors; do
   cp "$small" $name
 done
 cp resnet18.safetensors resnet50.pth
