@@ -29,7 +29,8 @@ TEST(EvalMasksCommand, SaysWhatIsMissing) {
   EXPECT_NE(stereo.err.find("RGB-D"), std::string::npos) << stereo.err;
   const std::string rgbd = (folder / "rgbd").string();
   ASSERT_EQ(test::run_penumbra("synth --sensor rgbd --frames 2 --size 310x94 --out " + rgbd).exit_code, 0);
-  const test::ProgramResult unmasked = test::run_penumbra(fmt::format("eval-masks '{0}' --masks '{0}/nowhere'", rgbd));
+  const test::ProgramResult unmasked =
+      test::run_penumbra(fmt::format("eval-masks '{0}' --masks '{0}/nowhere'", rgbd));
   EXPECT_EQ(unmasked.exit_code, 1);
   EXPECT_NE(unmasked.err.find("instances"), std::string::npos) << unmasked.err;
 }
