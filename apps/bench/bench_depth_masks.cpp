@@ -20,13 +20,13 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480;
+constexpr int kSceneWidth = 640, kSceneHeight = 480;
 constexpr double kFocalLength = 525.0;
 const std::vector<Rect> kBoxes = {{10, 40, 200, 400}, {220, 40, 200, 400}, {430, 40, 200, 400}};
 
 struct Frame {
-  ByteImage image{kWidth, kHeight};
-  FloatImage depth{kWidth, kHeight};
+  ByteImage image{kSceneWidth, kSceneHeight};
+  FloatImage depth{kSceneWidth, kSceneHeight};
 };
 
 // Three people before a wall, textured; a quarter of the boxes' pixels lack depth, in spots. `shift`: pixels
@@ -34,9 +34,9 @@ struct Frame {
 Frame make_frame(double shift) {
   constexpr std::uint64_t kTexture = 1, kNoise = 2, kHoles = 3;
   Frame frame;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const auto n = static_cast<std::uint64_t>(y * kWidth + x);
+  for (int y = 0; y < kSceneHeight; ++y) {
+    for (int x = 0; x < kSceneWidth; ++x) {
+      const auto n = static_cast<std::uint64_t>(y * kSceneWidth + x);
       const double from_middle = std::abs((x - 10) % 210 - 100), noise = counter_uniform(kNoise, n) - 0.5;
       const bool is_person = from_middle < 45.0 + 20.0 * std::sin(y / 40.0) && y > 50;
       const int u = static_cast<int>((x + shift * (is_person ? 2.0 : 1.0)) / 9.0), v = y / 9;
@@ -103,10 +103,10 @@ std::vector<Step> steps(const Frame& frame, const Frame& next) {
 void bench_depth_masks(const BenchmarkOptions& options) {
   const Frame frame = make_frame(0.0), next = make_frame(3.0);
   nlohmann::ordered_json result{
-      {"width", kWidth}, {"height", kHeight}, {"steps", nlohmann::ordered_json::array()}};
+      {"width", kSceneWidth}, {"height", kSceneHeight}, {"steps", nlohmann::ordered_json::array()}};
   if (!options.json) {
     fmt::print("{} x {} pixels, three boxes of 200 x 400, a quarter of them without depth; one thread\n",
-               kWidth, kHeight);
+               kSceneWidth, kSceneHeight);
     fmt::print("{:<24} {:>8} {:>7}\n", "step", "ms", "spread");
   }
   for (const Step& step : steps(frame, next)) {

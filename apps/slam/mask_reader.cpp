@@ -14,7 +14,7 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr int kFewestPixels = 20;
+constexpr int kFewestMaskPixels = 20;
 
 using ClassNames = std::map<int, std::string>;
 
@@ -60,7 +60,7 @@ std::vector<slam::Instance> instances_of(const WordImage& numbers, const ClassNa
         pixels += inside;
       }
     }
-    if (pixels >= kFewestPixels) instances.push_back(std::move(instance));
+    if (pixels >= kFewestMaskPixels) instances.push_back(std::move(instance));
   }
   return instances;
 }
