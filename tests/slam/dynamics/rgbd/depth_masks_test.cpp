@@ -12,17 +12,17 @@
 namespace penumbra::slam {
 namespace {
 
-constexpr int kWidth = 320, kHeight = 240;
-const StereoCamera kCamera{260.0, 260.0, 159.5, 119.5, 0.08, kWidth, kHeight};
-const Rect kBody{120, 60, 70, 150};
+constexpr int kMasksWidth = 320, kMasksHeight = 240;
+const StereoCamera kMasksCamera{260.0, 260.0, 159.5, 119.5, 0.08, kMasksWidth, kMasksHeight};
+const Rect kMasksBody{120, 60, 70, 150};
 
 // A person 2 m away before a wall, whose pixels at the right of the body are shadow, without depth.
 ImageToSegment view(int frame) {
-  ImageToSegment from{frame, ByteImage::filled(kWidth, kHeight, 120, 3),
-                      FloatImage::filled(kWidth, kHeight, 4.0F)};
-  for (int y = kBody.y; y < kBody.y + kBody.height; ++y) {
-    for (int x = kBody.x; x < kBody.x + kBody.width + 6; ++x) {
-      const bool is_shadow = x >= kBody.x + kBody.width;
+  ImageToSegment from{frame, ByteImage::filled(kMasksWidth, kMasksHeight, 120, 3),
+                      FloatImage::filled(kMasksWidth, kMasksHeight, 4.0F)};
+  for (int y = kMasksBody.y; y < kMasksBody.y + kMasksBody.height; ++y) {
+    for (int x = kMasksBody.x; x < kMasksBody.x + kMasksBody.width + 6; ++x) {
+      const bool is_shadow = x >= kMasksBody.x + kMasksBody.width;
       from.depth.at(x, y) = is_shadow ? 0.0F : 2.0F;
       for (int c = 0; c < 3 && !is_shadow; ++c) from.image.at(x, y, c) = 60;
     }
@@ -40,13 +40,13 @@ Instance box(const Rect& region, float score = 0.9F) {
 
 std::vector<Instance> masks(const std::vector<Instance>& boxes, const ImageToSegment& from,
                             const DepthMaskSettings& settings = {}) {
-  return masks_from_depth([&](const ImageToSegment&) { return boxes; }, kCamera, 0.5, settings)(from);
+  return masks_from_depth([&](const ImageToSegment&) { return boxes; }, kMasksCamera, 0.5, settings)(from);
 }
 
 double iou(const Instance& found, const Rect& truth) {
   int shared = 0, joint = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kMasksHeight; ++y) {
+    for (int x = 0; x < kMasksWidth; ++x) {
       shared += found.contains(x, y) && truth.contains(x, y);
       joint += found.contains(x, y) || truth.contains(x, y);
     }
@@ -60,7 +60,7 @@ TEST(DepthMasks, MakesMasksOfBoxes) {
   ASSERT_EQ(found.size(), 1U);  // the other's score is too low
   EXPECT_EQ(found[0].class_name, "person");
   EXPECT_EQ(found[0].region, region);
-  EXPECT_GT(iou(found[0], kBody), 0.95);
+  EXPECT_GT(iou(found[0], kMasksBody), 0.95);
   EXPECT_FALSE(found[0].moves);  // nothing is known after one image
 }
 
@@ -70,15 +70,15 @@ TEST(DepthMasks, CutsBoxesAtTheImage) {
       {box({-50, 55, 255, 300}), box({400, 10, 50, 50}), box({-60, -60, 40, 40}), box({5, 5, 0, 0})}, from);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].region, (Rect{0, 55, 205, 185}));
-  EXPECT_GT(iou(found[0], kBody), 0.95);
+  EXPECT_GT(iou(found[0], kMasksBody), 0.95);
 }
 
 TEST(DepthMasks, ABoxWithoutAnyDepthIsItsOwnMask) {
   ImageToSegment from = view(0);
   from.depth.fill(0.0F);
-  const std::vector<Instance> found = masks({box(kBody)}, from);
+  const std::vector<Instance> found = masks({box(kMasksBody)}, from);
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(iou(found[0], kBody), 1.0);
+  EXPECT_EQ(iou(found[0], kMasksBody), 1.0);
 }
 
 TEST(DepthMasks, AnImageWithoutDepthHasBoxes) {
@@ -91,8 +91,8 @@ TEST(DepthMasks, AnImageWithoutDepthHasBoxes) {
 
 TEST(DepthMasks, RefusesDepthOfAnotherSize) {
   ImageToSegment from = view(7);
-  from.depth = FloatImage::filled(kWidth / 2, kHeight / 2, 1.0F);
-  test::expect_error<InputError>([&] { masks({box(kBody)}, from); },
+  from.depth = FloatImage::filled(kMasksWidth / 2, kMasksHeight / 2, 1.0F);
+  test::expect_error<InputError>([&] { masks({box(kMasksBody)}, from); },
                                  {"frame 7, depth", "320x240", "160x120"});
 }
 
@@ -119,7 +119,7 @@ TEST(DepthMasks, RemembersTheDepthOfAnObject) {
       const Rect& first = is_left ? left : right;
       std::vector<Instance> boxes = {box(frame == 0 ? first : both)};
       const Segmenter segmenter =
-          masks_from_depth([&](const ImageToSegment&) { return boxes; }, kCamera, 0.5, {});
+          masks_from_depth([&](const ImageToSegment&) { return boxes; }, kMasksCamera, 0.5, {});
       from.frame = 0;
       boxes = {box({first.x - 20, first.y, 100, 120})};
       const std::vector<Instance> before = segmenter(from);
@@ -145,13 +145,13 @@ TEST(DepthMasks, SaysWhatMoves) {
   for (const double falls : {0.0, 3.0}) {
     const std::vector<Instance> boxes = {box({110, 55, 95, 160})};
     const Segmenter segmenter =
-        masks_from_depth([&](const ImageToSegment&) { return boxes; }, kCamera, 0.5, {});
+        masks_from_depth([&](const ImageToSegment&) { return boxes; }, kMasksCamera, 0.5, {});
     std::vector<Instance> found;
     for (int frame = 0; frame < 3; ++frame) {
       ImageToSegment from = view(frame);
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-          const bool is_body = kBody.contains(x, y);
+      for (int y = 0; y < kMasksHeight; ++y) {
+        for (int x = 0; x < kMasksWidth; ++x) {
+          const bool is_body = kMasksBody.contains(x, y);
           const double layer = 1.0 + (y / 40) % 3;
           const double value =
               is_body ? noise(x + 400.0 + 4.0 * frame, y - falls * frame) : noise(x + layer * frame, y);

@@ -13,15 +13,15 @@
 namespace penumbra::slam {
 namespace {
 
-struct Scene {
+struct RepairScene {
   ByteImage grey;
   FloatImage depth;
 };
 
 // Two surfaces, an edge between them in grey and depth, noise on both, and holes: single ones, a block, and a
 // band at the right border.
-Scene make_scene(int width, int height, std::uint64_t seed) {
-  Scene scene{ByteImage(width, height), FloatImage(width, height)};
+RepairScene make_scene(int width, int height, std::uint64_t seed) {
+  RepairScene scene{ByteImage(width, height), FloatImage(width, height)};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const auto n = static_cast<std::uint64_t>(y * width + x);
@@ -86,7 +86,7 @@ TEST(DepthRepair, EqualsTheFormulaPixelByPixel) {
   for (const Rect& box : {Rect{20, 15, 60, 80}, Rect{-10, 40, 90, 90}, Rect{50, 30, 9, 7},
                           Rect{-5, -5, 200, 200}, Rect{119, 99, 1, 1}}) {
     for (const bool reuses : {false, true}) {
-      Scene scene = make_scene(120, 100, 7);
+      RepairScene scene = make_scene(120, 100, 7);
       FloatImage expected = scene.depth.clone();
       const int expected_filled = repair_naively(scene.grey, box, reuses, expected);
       DepthRepair repair(DepthRepairSettings{reuses ? RepairMode::border : RepairMode::paper});
@@ -103,7 +103,7 @@ TEST(DepthRepair, EqualsTheFormulaPixelByPixel) {
 TEST(DepthRepair, CellsOfOnePixelAreTheFormulaInASmallBox) {
   const Rect box{30, 30, 40, 40};  // its window is 5 x 5
   for (const RepairMode mode : {RepairMode::median, RepairMode::modes}) {
-    Scene scene = make_scene(120, 100, 3);
+    RepairScene scene = make_scene(120, 100, 3);
     for (float& z : std::span(scene.depth.data(), scene.depth.elements())) z = z > 0.0F ? 2.0F : 0.0F;
     FloatImage expected = scene.depth.clone();
     repair_naively(scene.grey, box, /*reuses=*/true, expected);
@@ -119,7 +119,7 @@ TEST(DepthRepair, CellsOfOnePixelAreTheFormulaInASmallBox) {
 
 TEST(DepthRepair, TheLargerOfTwoModesLiesOnASurface) {
   for (const RepairMode mode : {RepairMode::median, RepairMode::modes}) {
-    Scene scene = make_scene(240, 200, 5);
+    RepairScene scene = make_scene(240, 200, 5);
     scene.grey.fill(100);  // the guard tells nothing
     const FloatImage before = scene.depth.clone();
     const Rect box{20, 10, 200, 180};
@@ -143,8 +143,8 @@ TEST(DepthRepair, TheLargerOfTwoModesLiesOnASurface) {
 
 TEST(DepthRepair, ReuseFillsWhatNoWindowReaches) {
   const Rect box{10, 10, 100, 80};
-  Scene plain = make_scene(120, 100, 11), reused = make_scene(120, 100, 11);
-  for (Scene* scene : {&plain, &reused}) {
+  RepairScene plain = make_scene(120, 100, 11), reused = make_scene(120, 100, 11);
+  for (RepairScene* scene : {&plain, &reused}) {
     for (int y = 0; y < 100; ++y) {
       for (int x = 0; x < 120; ++x) {
         scene->grey.at(x, y) = 90;
@@ -184,7 +184,7 @@ TEST(DepthRepair, LeavesAloneWhatItCannotKnow) {
 TEST(DepthRepair, ChangesHolesInsideTheBoxOnly) {
   for (const RepairMode mode :
        {RepairMode::paper, RepairMode::border, RepairMode::median, RepairMode::modes}) {
-    Scene scene = make_scene(120, 100, 13);
+    RepairScene scene = make_scene(120, 100, 13);
     const FloatImage before = scene.depth.clone();
     const Rect box{40, 20, 50, 60};
     DepthRepair(DepthRepairSettings{mode}).apply(scene.grey, box, scene.depth);
@@ -201,7 +201,7 @@ TEST(DepthRepair, AllocatesNothingAfterTheFirstBox) {
   for (const RepairMode mode :
        {RepairMode::paper, RepairMode::border, RepairMode::median, RepairMode::modes}) {
     DepthRepair repair(DepthRepairSettings{mode});
-    Scene scene = make_scene(240, 200, 17);
+    RepairScene scene = make_scene(240, 200, 17);
     FloatImage depth = scene.depth.clone();
     repair.apply(scene.grey, {20, 10, 200, 180}, depth);
     depth = scene.depth.clone();

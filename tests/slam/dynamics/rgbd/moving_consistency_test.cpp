@@ -9,7 +9,7 @@
 namespace penumbra::slam {
 namespace {
 
-constexpr int kWidth = 400, kHeight = 300;
+constexpr int kConsistencyWidth = 400, kConsistencyHeight = 300;
 
 // Smooth noise at a place of a surface.
 double texture(std::uint64_t surface, double x, double y) {
@@ -32,10 +32,10 @@ const Rect kThing{150, 90, 90, 130};
 // A camera that moves to the right sees three walls at different depths; before them a thing that moves down
 // by `falls` pixels a frame, and along with the nearest wall besides.
 ByteImage view(int frame, double falls) {
-  ByteImage image(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const int wall = 1 + (y * 7 / kHeight) % 3;
+  ByteImage image(kConsistencyWidth, kConsistencyHeight);
+  for (int y = 0; y < kConsistencyHeight; ++y) {
+    for (int x = 0; x < kConsistencyWidth; ++x) {
+      const int wall = 1 + (y * 7 / kConsistencyHeight) % 3;
       double value = texture(static_cast<std::uint64_t>(wall), x + 1.5 * wall * frame, y);
       if (kThing.contains(x, y)) value = texture(9, x + 6.0 * frame, y - falls * frame);
       image.at(x, y) = static_cast<std::uint8_t>(std::min(255.0, value));
@@ -81,14 +81,15 @@ TEST(MovingConsistency, BeginsAnewAfterAGapAndAnotherSize) {
   EXPECT_EQ(consistency.check(6, view(1, 3.0), objects).front().followed, 0);
   EXPECT_EQ(consistency.check(3, view(2, 3.0), objects).front().followed, 0);  // back in time
   EXPECT_GT(consistency.check(4, view(3, 3.0), objects).front().followed, 0);
-  EXPECT_EQ(consistency.check(5, ByteImage::filled(kWidth, 200, 90), objects).front().followed, 0);
+  EXPECT_EQ(consistency.check(5, ByteImage::filled(kConsistencyWidth, 200, 90), objects).front().followed, 0);
   EXPECT_EQ(consistency.check(6, ByteImage::filled(5, 5, 90), objects).front().followed, 0);
 }
 
 TEST(MovingConsistency, TakesImagesWithoutCorners) {
   MovingConsistency consistency({});
   for (int frame = 0; frame < 3; ++frame) {
-    EXPECT_TRUE(consistency.check(frame, ByteImage::filled(kWidth, kHeight, 50), {}).empty());
+    EXPECT_TRUE(
+        consistency.check(frame, ByteImage::filled(kConsistencyWidth, kConsistencyHeight, 50), {}).empty());
   }
 }
 

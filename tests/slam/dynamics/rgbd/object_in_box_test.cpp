@@ -10,12 +10,12 @@
 namespace penumbra::slam {
 namespace {
 
-constexpr int kWidth = 320, kHeight = 240;
+constexpr int kBoxesWidth = 320, kBoxesHeight = 240;
 constexpr double kFocal = 260.0;
 
-struct Scene {
-  ByteImage image = ByteImage::filled(kWidth, kHeight, 120);
-  FloatImage depth = FloatImage::filled(kWidth, kHeight, 4.0F);
+struct BoxesScene {
+  ByteImage image = ByteImage::filled(kBoxesWidth, kBoxesHeight, 120);
+  FloatImage depth = FloatImage::filled(kBoxesWidth, kBoxesHeight, 4.0F);
 
   void fill(const Rect& area, float metres, std::uint8_t grey) {
     for (int y = area.y; y < area.y + area.height; ++y) {
@@ -26,7 +26,7 @@ struct Scene {
     }
   }
   void add_noise() {
-    for (int n = 0; n < kWidth * kHeight; ++n) {
+    for (int n = 0; n < kBoxesWidth * kBoxesHeight; ++n) {
       float& z = depth.data()[n];
       z += 0.002F * z * z * static_cast<float>(counter_uniform(3, static_cast<std::uint64_t>(n)) - 0.5);
     }
@@ -37,8 +37,8 @@ struct Scene {
 const Rect kHead{142, 40, 36, 40}, kBody{120, 80, 80, 120};
 const Rect kBox{120, 40, 80, 160};
 
-Scene person() {
-  Scene scene;
+BoxesScene person() {
+  BoxesScene scene;
   scene.fill(kHead, 2.0F, 200);
   scene.fill(kBody, 2.05F, 60);
   return scene;
@@ -58,7 +58,7 @@ double iou(const ObjectMask& found, const Rect& box, const std::vector<Rect>& tr
   return shared / static_cast<double>(joint);
 }
 
-ObjectMask find(const Scene& scene, const Rect& box, const ObjectInBoxSettings& settings = {}) {
+ObjectMask find(const BoxesScene& scene, const Rect& box, const ObjectInBoxSettings& settings = {}) {
   ObjectInBox finder(kFocal, settings);
   ObjectMask found;
   finder.find(scene.image, scene.depth, box, {}, found);
@@ -67,7 +67,7 @@ ObjectMask find(const Scene& scene, const Rect& box, const ObjectInBoxSettings& 
 }
 
 TEST(ObjectInBox, FindsWhatStandsOut) {
-  Scene scene = person();
+  BoxesScene scene = person();
   scene.add_noise();
   const ObjectMask found = find(scene, kBox);
   EXPECT_GT(iou(found, kBox, {kHead, kBody}), 0.97);
@@ -75,9 +75,9 @@ TEST(ObjectInBox, FindsWhatStandsOut) {
 }
 
 TEST(ObjectInBox, LeavesOutADeskInFrontAndOneBeside) {
-  Scene scene = person();
-  scene.fill({0, 150, kWidth, 90}, 1.4F, 150);  // hides a third of the box, and goes on outside
-  scene.fill({0, 120, 118, 30}, 2.0F, 90);      // at the person's depth
+  BoxesScene scene = person();
+  scene.fill({0, 150, kBoxesWidth, 90}, 1.4F, 150);  // hides a third of the box, and goes on outside
+  scene.fill({0, 120, 118, 30}, 2.0F, 90);           // at the person's depth
   scene.fill({202, 120, 118, 30}, 2.0F, 90);
   scene.add_noise();
   const Rect box{110, 40, 100, 160};
@@ -86,7 +86,7 @@ TEST(ObjectInBox, LeavesOutADeskInFrontAndOneBeside) {
 }
 
 TEST(ObjectInBox, FindsWhatTheBorderCuts) {
-  Scene scene;
+  BoxesScene scene;
   const Rect part{0, 60, 40, 180};
   scene.fill(part, 1.5F, 70);
   scene.add_noise();
@@ -96,15 +96,15 @@ TEST(ObjectInBox, FindsWhatTheBorderCuts) {
 }
 
 TEST(ObjectInBox, KeepsTheBoxWhereNothingStandsOut) {
-  Scene flat;  // a keyboard on a desk, seen along it
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) flat.depth.at(x, y) = 3.0F - 0.006F * static_cast<float>(y);
+  BoxesScene flat;  // a keyboard on a desk, seen along it
+  for (int y = 0; y < kBoxesHeight; ++y) {
+    for (int x = 0; x < kBoxesWidth; ++x) flat.depth.at(x, y) = 3.0F - 0.006F * static_cast<float>(y);
   }
   const Rect box{130, 150, 60, 30};
   const ObjectMask found = find(flat, box);
   EXPECT_GT(iou(found, box, {box}), 0.8);
 
-  Scene blind;
+  BoxesScene blind;
   blind.depth.fill(0.0F);
   EXPECT_EQ(iou(find(blind, box), box, {box}), 1.0);
   EXPECT_EQ(find(blind, box).depth, 0.0);
@@ -113,7 +113,7 @@ TEST(ObjectInBox, KeepsTheBoxWhereNothingStandsOut) {
 }
 
 TEST(ObjectInBox, TakesBoxesOfAnySize) {
-  Scene scene = person();
+  BoxesScene scene = person();
   scene.add_noise();
   for (const Rect& box : {Rect{0, 0, 1, 1}, Rect{319, 239, 1, 1}, Rect{5, 5, 3, 100}, Rect{0, 0, 320, 240},
                           Rect{150, 0, 2, 240}}) {
@@ -135,7 +135,7 @@ TEST(ObjectInBox, ThePaperTiesWithTwoClusters) {
   ObjectInBoxSettings settings;
   settings.mode = ClusterMode::paper;
   settings.clusters = 2;
-  Scene scene;
+  BoxesScene scene;
   const Rect box{100, 100, 100, 100};
   const auto found_depth = [&](int columns) {
     scene.depth.fill(4.0F);
@@ -150,7 +150,7 @@ TEST(ObjectInBox, ThePaperTiesWithTwoClusters) {
 
 // The letter's own weakness: one cluster is a slice of a person who leans.
 TEST(ObjectInBox, ThePaperTakesOneCluster) {
-  Scene scene;
+  BoxesScene scene;
   for (int row = 0; row < 160; ++row)
     scene.fill({120, 40 + row, 60, 1}, 1.8F + 0.002F * static_cast<float>(row), 60);
   scene.add_noise();
@@ -164,7 +164,7 @@ TEST(ObjectInBox, ThePaperTakesOneCluster) {
 
 TEST(ObjectInBox, AllocatesNothingAfterTheFirstBox) {
   for (const ClusterMode mode : {ClusterMode::paper, ClusterMode::grown}) {
-    Scene scene = person();
+    BoxesScene scene = person();
     scene.add_noise();
     ObjectInBoxSettings settings;
     settings.mode = mode;
