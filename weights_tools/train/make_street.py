@@ -16,7 +16,7 @@ import subprocess
 
 import numpy as np
 
-HERE = pathlib.Path(__file__).resolve().parent
+PENUMBRA = str(pathlib.Path(__file__).resolve().parents[2] / "build" / "penumbra")
 
 
 def road(seed, frames, spacing):
@@ -79,7 +79,7 @@ def main():
     parser.add_argument("--frames", type=int, default=40, help="frames a drive")
     parser.add_argument("--spacing", type=float, default=3.0, help="metres from frame to frame")
     parser.add_argument("--size", default="620x188")
-    parser.add_argument("--penumbra", default=str(HERE.parents[1] / "build" / "penumbra"))
+    parser.add_argument("--penumbra", default=PENUMBRA)
     parser.add_argument("--prefix", default="", help="command to run synth with, such as 'nice -n 10'")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)

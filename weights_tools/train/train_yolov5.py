@@ -1,0 +1,205 @@
+#!/usr/bin/python3
+"""Trains YOLOv5n from random weights on a COCO-format data set and writes weights for Penumbra.
+
+  train_yolov5.py --annotations office/instances.json --images office --classes person,chair,tv --out out/office
+
+Run again with the same --out, it goes on from the last checkpoint: order of the images and changes to them depend on
+the seed and the step alone. Writes to --out:
+  checkpoint.pt            everything needed to go on
+  log.jsonl                losses and speed
+  weights.safetensors      the mean of the weights over the last steps, for `penumbra segment` and `slam`
+
+Needs Debian's python3-torch, python3-torchvision, python3-opencv; on a processor set OMP_NUM_THREADS=2.
+"""
+import argparse
+import functools
+import json
+import os
+import pathlib
+import sys
+import time
+
+import cv2
+import numpy as np
+import torch
+
+import safetensors_file
+from coco_data import LUMA, CocoData
+from train import learning_rate
+from yolov5_loss import build, losses
+
+# Widths and heights of the images, and how often each is drawn: in the first part of the steps and in the second.
+# A small image costs a fraction; the last steps see the size at which the network is used as well.
+SIZES = ((256, 192), (320, 256), (416, 320), (640, 480))
+SHARES = ((0.6, 0.4, 0.0, 0.0), (0.1, 0.35, 0.2, 0.35))
+FIRST_PART = 0.5
+GREY = 114  # of what lies outside an image, as the engine fills it
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--annotations", required=True, help="training set, COCO instances JSON")
+    parser.add_argument("--images", required=True, help="folder that its file names refer to")
+    parser.add_argument("--classes", required=True, help="names of the categories to learn, separated by commas")
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    parser.add_argument("--steps", type=int, default=2000)
+    parser.add_argument("--stop", type=int, help="stop after this step of the schedule; run again to go on")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--batch", type=int, default=12, help="images of 320 x 256 a step; of other sizes as many pixels")
+    parser.add_argument("--learning-rate", type=float, default=2e-3)
+    parser.add_argument("--weight-decay", type=float, default=0.01)
+    parser.add_argument("--mean-over", type=int, default=300, help="steps that the averaged weights reach back")
+    parser.add_argument("--checkpoint-every", type=int, default=50, help="steps")
+    parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
+    return parser.parse_args()
+
+
+class Samples:
+    """Batches in an order that depends on the seed alone; batch k is the same after any resume."""
+
+    def __init__(self, data, batch, steps, seed):
+        self.data, self.batch, self.steps, self.seed = data, batch, steps, seed
+        self.read = functools.lru_cache(maxsize=8000)(self.read)  # 1 MB each; decoding takes a third of a step
+
+    def read(self, name):
+        image = cv2.imread(str(self.data.folder / name))
+        if image is None:
+            raise SystemExit(f"{self.data.folder / name}: no image that can be read")
+        return image
+
+    def view(self, entry, width, height, random):
+        """A window of an image, from wider than it to half of it, so that objects are often cut off; maybe mirrored,
+        tinted, grey or blurred. Returns the window and its objects as class, centre and size."""
+        about, objects = entry
+        image = self.read(about["file_name"])
+        zoom = np.exp(random.uniform(np.log(0.8), np.log(1.7)))
+        scale = zoom * np.array([width / image.shape[1]] * 2) * np.exp(random.uniform(-0.1, 0.1, 2))
+        free = np.array([width, height]) - scale * (image.shape[1], image.shape[0])
+        shift = free * random.uniform(size=2)
+        reduction = image.shape[1] / width / zoom
+        if reduction > 1.5:
+            image = cv2.resize(image, None, fx=1 / reduction, fy=1 / reduction, interpolation=cv2.INTER_AREA)
+        fit = about["width"] / image.shape[1]
+        boxes = np.array([[x, y, x + w, y + h] for _, (x, y, w, h), _ in objects]) * np.tile(scale, 2) + np.tile(shift, 2)
+        matrix = np.array([[scale[0] * fit, 0, shift[0]], [0, scale[1] * fit, shift[1]]])
+        window = cv2.warpAffine(image, matrix, (width, height), flags=cv2.INTER_LINEAR, borderValue=(GREY,) * 3)
+        if random.random() < 0.5:
+            window, boxes[:, [0, 2]] = window[:, ::-1], width - boxes[:, [2, 0]]
+        whole = np.prod(boxes[:, 2:] - boxes[:, :2], 1)
+        boxes = boxes.clip(0, (width, height, width, height))
+        sides = boxes[:, 2:] - boxes[:, :2]
+        good = (sides.min(1) >= 4) & (np.prod(sides, 1) > 0.08 * whole)
+        labels = np.array([label - 1 for label, _, _ in objects])
+        pixels = self.coloured(window[:, :, ::-1], random)
+        return pixels, np.column_stack([labels, (boxes[:, :2] + boxes[:, 2:]) / 2, sides])[good]
+
+    @staticmethod
+    def coloured(window, random):
+        if random.random() < 0.15:
+            window = cv2.blur(window, (1, int(random.integers(2, 6)))[::random.choice([-1, 1])])
+        pixels = window.astype(np.float32) / 255
+        if random.random() < 0.1:
+            pixels = np.repeat(pixels @ LUMA, 3, 2)
+        elif random.random() < 0.3:  # clothes and things in other colours
+            pixels = pixels[:, :, random.permutation(3)]
+        gain = random.uniform(0.65, 1.35) * random.uniform(0.85, 1.15, 3)
+        return np.clip(pixels * gain + random.uniform(-0.06, 0.06), 0, 1).astype(np.float32)
+
+    def __getitem__(self, k):
+        """Images [N, 3, H, W] and targets [n, 6]: image, class, centre and size in pixels."""
+        random = np.random.default_rng([self.seed, k])
+        width, height = SIZES[random.choice(len(SIZES), p=SHARES[k >= FIRST_PART * self.steps])]
+        images, targets = [], []
+        for n in range(max(2, round(self.batch * 320 * 256 / (width * height)))):
+            entry = self.data.entries[random.integers(len(self.data))]
+            pixels, found = self.view(entry, width, height, random)
+            images.append(pixels.transpose(2, 0, 1))
+            targets.append(np.column_stack([np.full(len(found), n), found]))
+        return torch.from_numpy(np.stack(images)), torch.from_numpy(np.concatenate(targets).astype(np.float32))
+
+
+class Training:
+    def __init__(self, options):
+        self.options, self.classes = options, options.classes.split(",")
+        data = CocoData(options.annotations, options.images, self.classes, least_area=40)
+        print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
+        self.samples = Samples(data, options.batch, options.steps, options.seed)
+        torch.manual_seed(options.seed)
+        self.model = build(len(self.classes)).to(memory_format=torch.channels_last).train()
+        self.mean = {name: value.clone() for name, value in self.model.state_dict().items()}
+        decaying = [p for p in self.model.parameters() if p.dim() > 1]
+        others = [p for p in self.model.parameters() if p.dim() <= 1]
+        self.optimizer = torch.optim.AdamW([dict(params=decaying, weight_decay=options.weight_decay),
+                                            dict(params=others, weight_decay=0.0)], lr=options.learning_rate)
+        self.step, self.seconds = 0, 0.0
+        self.checkpoint = options.out / "checkpoint.pt"
+        if self.checkpoint.exists():
+            self.resume()
+
+    def resume(self):
+        saved = torch.load(self.checkpoint, map_location="cpu")
+        self.model.load_state_dict(saved["model"])
+        self.optimizer.load_state_dict(saved["optimizer"])
+        self.mean, self.step, self.seconds = saved["mean"], saved["step"], saved["seconds"]
+        print(f"going on from step {self.step}", file=sys.stderr)
+
+    def save(self):
+        part = self.checkpoint.with_suffix(".part")
+        torch.save(dict(model=self.model.state_dict(), mean=self.mean, optimizer=self.optimizer.state_dict(), step=self.step,
+                        seconds=self.seconds), part)
+        os.replace(part, self.checkpoint)
+
+    def one_step(self):
+        images, targets = self.samples[self.step]
+        for group in self.optimizer.param_groups:
+            group["lr"] = learning_rate(self.step, self.options.steps, self.options.learning_rate)
+        parts = losses(self.model(images.contiguous(memory_format=torch.channels_last)), targets, self.model.model[24].anchors)
+        self.optimizer.zero_grad(set_to_none=True)
+        sum(parts.values()).backward()
+        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 10.0)
+        self.optimizer.step()
+        self.step += 1
+        keep = 1 - 1 / min(1 + self.step / 4, self.options.mean_over)  # early weights are soon forgotten
+        for name, value in self.model.state_dict().items():
+            if value.is_floating_point():
+                self.mean[name].mul_(keep).add_(value, alpha=1 - keep)
+        return {name: float(value) for name, value in parts.items()}
+
+    def run(self):
+        sums, counted, last = {}, 0, min(self.options.steps, self.options.stop or self.options.steps)
+        while self.step < last:
+            start = time.monotonic()
+            parts = self.one_step()
+            self.seconds += time.monotonic() - start
+            sums = {name: sums.get(name, 0.0) + value for name, value in parts.items()}
+            counted += 1
+            if self.step % 20 == 0 or self.step == last:
+                self.report({name: value / counted for name, value in sums.items()})
+                sums, counted = {}, 0
+            if self.step % self.options.checkpoint_every == 0 or self.step == last:
+                self.save()
+                self.export()
+
+    def report(self, parts):
+        line = dict(step=self.step, seconds=round(self.seconds, 1), **{n: round(v, 5) for n, v in parts.items()})
+        with open(self.options.out / "log.jsonl", "a") as file:
+            file.write(json.dumps(line) + "\n")
+        print(f"{self.step}/{self.options.steps}, {self.seconds / 60:.1f} min, "
+              + ", ".join(f"{n} {v:.4f}" for n, v in parts.items()), file=sys.stderr, flush=True)
+
+    def export(self):
+        options = self.options
+        facts = dict(training_data=options.data_name or pathlib.Path(options.annotations).parent.name, seed=options.seed,
+                     steps=self.step, images_per_step=options.batch)
+        safetensors_file.save(options.out / "weights.safetensors", self.mean,
+                              dict(network="yolov5", batch_norm_eps=1e-3, classes=",".join(self.classes), **facts))
+
+
+def main():
+    options = arguments()
+    options.out.mkdir(parents=True, exist_ok=True)
+    Training(options).run()
+
+
+if __name__ == "__main__":
+    main()
