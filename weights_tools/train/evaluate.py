@@ -3,7 +3,7 @@
 
   evaluate.py out/attention_1/weights.safetensors --annotations val/instances.json --images val --out out/attention_1
 
-Writes results.json and ap.json to --out; with --stamp also box_AP and mask_AP into the weights' metadata. train.py does the same at its end where it is given a validation set.
+Writes results.json and ap.json to --out; a detector without masks is judged with --boxes. With --stamp also box_AP and mask_AP into the weights' metadata. train.py does the same at its end where it is given a validation set.
 """
 import argparse
 import json
@@ -21,11 +21,27 @@ def has_occlusion(annotations):
     return any("occlusion" in a for a in json.loads(pathlib.Path(annotations).read_text())["annotations"])
 
 
-def evaluate(penumbra, weights, annotations, images, out):
-    """`penumbra eval-coco --json` of what `penumbra segment` finds; writes results.json and ap.json to `out`."""
+def only(classes, annotations, path):
+    """Writes the annotations of some classes, by their names."""
+    content = json.loads(pathlib.Path(annotations).read_text())
+    content["categories"] = [c for c in content["categories"] if c["name"] in classes]
+    ids = {c["id"] for c in content["categories"]}
+    content["annotations"] = [a for a in content["annotations"] if a["category_id"] in ids]
+    path.write_text(json.dumps(content))
+    return path
+
+
+def evaluate(penumbra, weights, annotations, images, out, classes=(), boxes=False):
+    """`penumbra eval-coco --json` of what `penumbra segment` finds; writes results.json and ap.json to `out`. Of some
+    classes or all, of boxes alone or of masks as well."""
+    pathlib.Path(out).mkdir(parents=True, exist_ok=True)
+    if classes:
+        annotations = only(classes, annotations, pathlib.Path(out) / "annotations.json")
     subprocess.run([penumbra, "segment", "--coco-images", str(images), "--annotations", str(annotations),
                     "--weights", str(weights), "--out", str(out)], check=True)
     command = [penumbra, "eval-coco", "--annotations", str(annotations), "--results", str(out) + "/results.json", "--json"]
+    if boxes:
+        command += ["--type", "bbox"]
     if has_occlusion(annotations):
         command += ["--occlusion", OCCLUSION]
     numbers = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
@@ -36,7 +52,7 @@ def evaluate(penumbra, weights, annotations, images, out):
 def stamp(weights, numbers):
     """Writes the AP into the metadata of the weights file."""
     state, metadata = safetensors_file.load(weights)
-    metadata.update(box_AP=f"{numbers['bbox']['AP']:.4f}", mask_AP=f"{numbers['segm']['AP']:.4f}")
+    metadata.update({f"{name}_AP": f"{numbers[kind]['AP']:.4f}" for kind, name in (("bbox", "box"), ("segm", "mask")) if kind in numbers})
     safetensors_file.save(weights, state, metadata)
 
 
@@ -46,7 +62,7 @@ def percent(value):
 
 def summary(numbers):
     return "\n".join(f"{kind}: " + "  ".join(f"{n} {percent(numbers[kind][n])}" for n in NAMES)
-                     for kind in ("bbox", "segm"))
+                     for kind in ("bbox", "segm") if kind in numbers)
 
 
 def main():
@@ -56,9 +72,12 @@ def main():
     parser.add_argument("--images", required=True)
     parser.add_argument("--out", required=True)
     parser.add_argument("--penumbra", default=PENUMBRA)
+    parser.add_argument("--classes", default="", help="judge these alone, names separated by commas")
+    parser.add_argument("--boxes", action="store_true", help="the network has no masks")
     parser.add_argument("--stamp", action="store_true")
     options = parser.parse_args()
-    numbers = evaluate(options.penumbra, options.weights, options.annotations, options.images, options.out)
+    numbers = evaluate(options.penumbra, options.weights, options.annotations, options.images, options.out,
+                       [name for name in options.classes.split(",") if name], options.boxes)
     if options.stamp:
         stamp(options.weights, numbers)
     print(summary(numbers))

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Checks of the training code that need no data: gates start as the identity, folding keeps the outputs, layers that
-are computed otherwise than torchvision computes them agree with it, masks survive their encoding.
+are computed otherwise than torchvision computes them agree with it, masks survive their encoding, YOLOv5's objects go to
+the cells that a loop finds, and its head says in training what it says afterwards.
 
 usage: self_check.py        (prints one line a check; exit code 1 where one fails)
 """
@@ -14,6 +15,8 @@ from torch.nn import functional as F
 from coco_data import decode_counts, decode_mask
 from config import CONFIGS
 from model import BoxHead, DoublingConv, build, fold_gains
+from yolov5_loss import STRIDES, assign, complete_iou
+from yolov5_loss import build as build_yolov5
 
 TINY = CONFIGS["tiny"]
 
@@ -82,10 +85,47 @@ def masks_survive_their_encoding():
     return True
 
 
+def cells_are_those_of_a_loop():
+    torch.manual_seed(4)
+    width, height, anchors = 9, 7, torch.tensor([[1.0, 2.0], [4.0, 3.0], [9.0, 8.0]])
+    targets = torch.rand(40, 6) * torch.tensor([4, 3, width, height, 12, 12]) + torch.tensor([0, 0, 0, 0, 0.2, 0.2])
+    expected = set()
+    for t, (_, _, x, y, w, h) in enumerate(targets.tolist()):
+        for a, (p, q) in enumerate(anchors.tolist()):
+            if max(w / p, p / w, h / q, q / h) >= 4:
+                continue
+            for row in range(height):
+                for column in range(width):
+                    dx, dy = abs(x - column - 0.5), abs(y - row - 0.5)  # from the cell's centre
+                    if (dx <= 0.5 and dy <= 1) or (dx <= 1 and dy <= 0.5):
+                        expected.add((t, a, row, column))
+    chosen, anchor, row, column = assign(targets, anchors, height, width)
+    rows = {tuple(values): t for t, values in enumerate(targets.tolist())}
+    found = [(rows[tuple(c)], *others) for c, *others in zip(chosen.tolist(), anchor.tolist(), row.tolist(), column.tolist())]
+    return len(found) == len(set(found)) and set(found) == expected
+
+
+def the_iou_of_a_box_with_itself_is_one():
+    boxes = torch.rand(20, 4) * 50 + 1
+    return torch.allclose(complete_iou(boxes, boxes), torch.ones(20), atol=1e-5)
+
+
+def the_trained_head_says_what_the_reference_says():
+    network, image = build_yolov5(3).eval(), torch.rand(1, 3, 64, 96)
+    with torch.no_grad():
+        rows = network(image)[0][0]
+        network.model[24].train()
+        y = network(image)[0].flatten(1, 3)[0].sigmoid()
+    first = rows[:len(y)]
+    anchors = (network.model[24].anchors[0] * STRIDES[0]).repeat_interleave(len(y) // 3, 0)
+    return torch.allclose(first[:, 4:], y[:, 4:]) and torch.allclose(first[:, 2:4], (2 * y[:, 2:4]) ** 2 * anchors)
+
+
 def main():
     failed = False
     for check in (attention_starts_as_the_identity, folding_keeps_the_outputs, doubling_is_the_transposed_convolution,
-                  box_head_is_linear, masks_survive_their_encoding):
+                  box_head_is_linear, masks_survive_their_encoding, cells_are_those_of_a_loop,
+                  the_iou_of_a_box_with_itself_is_one, the_trained_head_says_what_the_reference_says):
         good = check()
         failed |= not good
         print("ok    " if good else "FAILED", check.__name__.replace("_", " "))
