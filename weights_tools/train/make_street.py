@@ -65,7 +65,7 @@ def merge(out, names):
         first = len(images)
         new_id = {image["id"]: first + k for k, image in enumerate(content["images"])}
         images += [dict(i, id=new_id[i["id"]], file_name=f"{name}/{i['file_name']}") for i in content["images"]]
-        annotations += [dict(a, id=len(annotations) + k, image_id=new_id[a["image_id"]])
+        annotations += [dict(a, id=len(annotations) + k + 1, image_id=new_id[a["image_id"]])
                         for k, a in enumerate(content["annotations"])]
     (out / "instances.json").write_text(json.dumps(dict(images=images, annotations=annotations, categories=categories)))
     print(f"{len(images)} images, {len(annotations)} objects in {out}")
