@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Trains YOLOv5n from random weights on a COCO-format data set and writes weights for Penumbra.
+"""Trains YOLOv5n, from random weights or others, on a COCO-format data set and writes weights for Penumbra.
 
   train_yolov5.py --annotations office/instances.json --images office --classes person,chair,tv --out out/office
 
@@ -32,7 +32,6 @@ from yolov5_loss import build, losses
 # A small image costs a fraction; the last steps see the size at which the network is used as well.
 SIZES = ((256, 192), (320, 256), (416, 320), (640, 480))
 SHARES = ((0.6, 0.4, 0.0, 0.0), (0.1, 0.35, 0.2, 0.35))
-FIRST_PART = 0.5
 GREY = 114  # of what lies outside an image, as the engine fills it
 
 
@@ -49,6 +48,8 @@ def arguments():
     parser.add_argument("--learning-rate", type=float, default=2e-3)
     parser.add_argument("--weight-decay", type=float, default=0.01)
     parser.add_argument("--mean-over", type=int, default=300, help="steps that the averaged weights reach back")
+    parser.add_argument("--first-part", type=float, default=0.5, help="share of the steps with small images alone")
+    parser.add_argument("--init", help="weights.safetensors to start from, of a network with the same classes")
     parser.add_argument("--checkpoint-every", type=int, default=50, help="steps")
     parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
     return parser.parse_args()
@@ -57,8 +58,8 @@ def arguments():
 class Samples:
     """Batches in an order that depends on the seed alone; batch k is the same after any resume."""
 
-    def __init__(self, data, batch, steps, seed):
-        self.data, self.batch, self.steps, self.seed = data, batch, steps, seed
+    def __init__(self, data, batch, small, seed):
+        self.data, self.batch, self.small, self.seed = data, batch, small, seed  # small: steps of the first part
         self.read = functools.lru_cache(maxsize=8000)(self.read)  # 1 MB each; decoding takes a third of a step
 
     def read(self, name):
@@ -108,7 +109,7 @@ class Samples:
     def __getitem__(self, k):
         """Images [N, 3, H, W] and targets [n, 6]: image, class, centre and size in pixels."""
         random = np.random.default_rng([self.seed, k])
-        width, height = SIZES[random.choice(len(SIZES), p=SHARES[k >= FIRST_PART * self.steps])]
+        width, height = SIZES[random.choice(len(SIZES), p=SHARES[k >= self.small])]
         images, targets = [], []
         for n in range(max(2, round(self.batch * 320 * 256 / (width * height)))):
             entry = self.data.entries[random.integers(len(self.data))]
@@ -123,9 +124,11 @@ class Training:
         self.options, self.classes = options, options.classes.split(",")
         data = CocoData(options.annotations, options.images, self.classes, least_area=40)
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
-        self.samples = Samples(data, options.batch, options.steps, options.seed)
+        self.samples = Samples(data, options.batch, options.first_part * options.steps, options.seed)
         torch.manual_seed(options.seed)
         self.model = build(len(self.classes)).to(memory_format=torch.channels_last).train()
+        if options.init:
+            self.model.load_state_dict({**self.model.state_dict(), **safetensors_file.load(options.init)[0]})
         self.mean = {name: value.clone() for name, value in self.model.state_dict().items()}
         decaying = [p for p in self.model.parameters() if p.dim() > 1]
         others = [p for p in self.model.parameters() if p.dim() <= 1]
