@@ -20,7 +20,7 @@ namespace {
 constexpr double kSameIntrinsics = 1e-3;  // pixels
 
 // A 3 x 4 projection matrix, row by row, and where it stands.
-struct Projection {
+struct ProjectionRow {
   std::string place;
   std::vector<double> values;
 };
@@ -64,12 +64,12 @@ std::map<std::string, Labelled> read_labelled(const std::filesystem::path& path)
   return found;
 }
 
-Projection find_projection(const std::map<std::string, Labelled>& lines, const std::filesystem::path& path,
-                           int camera) {
+ProjectionRow find_projection(const std::map<std::string, Labelled>& lines, const std::filesystem::path& path,
+                              int camera) {
   const auto at = lines.find(fmt::format("P{}", camera));
   if (at == lines.end())
     throw InputError(path.string(), fmt::format("a line 'P{}:' with 12 numbers", camera), "no such line");
-  Projection projection{at->second.place, nn::parse_numbers(at->second.values, at->second.place)};
+  ProjectionRow projection{at->second.place, nn::parse_numbers(at->second.values, at->second.place)};
   if (projection.values.size() != 12) {
     throw InputError(projection.place, "12 numbers (a 3 x 4 projection matrix)",
                      fmt::format("{} numbers", projection.values.size()));
@@ -81,8 +81,8 @@ Projection find_projection(const std::map<std::string, Labelled>& lines, const s
 
 StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left, int right) {
   const std::map<std::string, Labelled> lines = read_labelled(path);
-  const Projection P_left = find_projection(lines, path, left);
-  const Projection P_right = find_projection(lines, path, right);
+  const ProjectionRow P_left = find_projection(lines, path, left);
+  const ProjectionRow P_right = find_projection(lines, path, right);
 
   StereoCamera camera;
   camera.fx = P_left.values[0];

@@ -33,12 +33,12 @@ float mean_of(std::uint64_t sums) {
 }
 
 // The image from one corner of a rectangle on: (0, 0) is that corner, either the first or the last pixel.
-struct Corner {
+struct CellCorner {
   const std::uint8_t* grey = nullptr;
   float* depth = nullptr;
   std::ptrdiff_t grey_x = 1, grey_y = 0, depth_x = 1, depth_y = 0;
 
-  Corner(const ByteView& g, FloatImage& d, const Rect& area, bool backward)
+  CellCorner(const ByteView& g, FloatImage& d, const Rect& area, bool backward)
       : grey_y(g.pitch), depth_y(d.pitch()) {
     const int x = backward ? area.x + area.width - 1 : area.x;
     const int y = backward ? area.y + area.height - 1 : area.y;
@@ -77,7 +77,7 @@ int DepthRepair::sweep(const ByteView& grey, const Rect& box, const Size& reach,
   const Rect seen = intersection(
       {box.x - reach.width, box.y - reach.height, box.width + 2 * reach.width, box.height + 2 * reach.height},
       {0, 0, depth.width(), depth.height()});
-  const Corner at(grey, depth, seen, backward);
+  const CellCorner at(grey, depth, seen, backward);
   const int first_x = backward ? seen.x + seen.width - box.x - box.width : box.x - seen.x;
   const int first_y = backward ? seen.y + seen.height - box.y - box.height : box.y - seen.y;
   columns_.assign(static_cast<std::size_t>(seen.width) * kGreys, 0);

@@ -24,7 +24,7 @@ constexpr double kLeastArea = 0.03;                    // of the box
 
 constexpr double kTie = 1e-9;  // between the paper's scores, which often are equal but for rounding
 
-bool has_depth(float metres) { return metres > 0.0F && std::isfinite(metres); }
+bool is_depth(float metres) { return metres > 0.0F && std::isfinite(metres); }
 
 void keep_box(const Rect& box, ObjectMask& found) {
   found.mask.create(box.width, box.height);
@@ -95,7 +95,7 @@ void ObjectInBox::find_as_paper(const FloatImage& depth, const Rect& box, Object
   for (int y = box.y; y < box.y + box.height; ++y) {
     const float* z = depth.row(y);
     for (int x = box.x; x < box.x + box.width; ++x) {
-      if (has_depth(z[x])) histogram_.add(z[x]);
+      if (is_depth(z[x])) histogram_.add(z[x]);
     }
   }
   const std::vector<DepthCluster>& clusters = kmeans_.cluster(histogram_, settings_.clusters);
@@ -118,7 +118,7 @@ void ObjectInBox::find_as_paper(const FloatImage& depth, const Rect& box, Object
     const float* z = depth.row(box.y + y) + box.x;
     std::uint8_t* mask = found.mask.row(y);
     for (int x = 0; x < box.width; ++x) {
-      const int bin = has_depth(z[x]) ? DepthHistogram::bin_of(z[x]) : -1;
+      const int bin = is_depth(z[x]) ? DepthHistogram::bin_of(z[x]) : -1;
       mask[x] = bin >= best->first && bin <= best->last ? 255 : 0;
     }
   }
@@ -149,10 +149,10 @@ void ObjectInBox::make_cells(const ByteView& image, const FloatImage& depth, con
       const int x = pixels.x + pixels.width / 2, y = pixels.y + pixels.height / 2;
       for (int c = 0; c < 3; ++c)
         cell.colour[static_cast<std::size_t>(c)] = image.at(x, y, image.channels == 3 ? c : 0);
-      cell.depth = has_depth(depth.at(x, y)) ? depth.at(x, y) : 0.0F;
+      cell.depth = is_depth(depth.at(x, y)) ? depth.at(x, y) : 0.0F;
       for (int n = 0; n < pixels.area() && cell.depth == 0.0F; ++n) {
         const float z = depth.at(pixels.x + n % pixels.width, pixels.y + n / pixels.width);
-        if (has_depth(z)) cell.depth = z;
+        if (is_depth(z)) cell.depth = z;
       }
       if (cell.place == Place::box && cell.depth > 0.0F) histogram_.add(cell.depth);
     }
@@ -382,7 +382,7 @@ void ObjectInBox::paint(const FloatImage& depth, const Rect& box, ObjectMask& fo
         std::uint8_t* mask = found.mask.row(y - box.y) - box.x;
         for (int x = pixels.x; x < pixels.x + pixels.width; ++x) {
           bool inside = cell.is_object;
-          if (is_edge && has_depth(z[x])) inside = std::abs(z[x] - own_depth) < std::abs(z[x] - other_depth);
+          if (is_edge && is_depth(z[x])) inside = std::abs(z[x] - own_depth) < std::abs(z[x] - other_depth);
           mask[x] = inside ? 255 : 0;
         }
       }
