@@ -2,20 +2,20 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
+#include "apps/common/made_truth.h"
 #include "apps/common/progress_bar.h"
 #include "nn/base/error.h"
-#include "nn/base/file.h"
 #include "nn/image/image_file.h"
 #include "slam/evaluation/dense_evaluation.h"
 #include "slam/geometry/association.h"
 #include "slam/geometry/trajectory_io.h"
-#include "slam/sources/image_list.h"
 #include "slam/sources/open_dataset.h"
 
 namespace penumbra::apps {
@@ -23,7 +23,7 @@ namespace penumbra::apps {
 namespace {
 
 constexpr const char* kEvalDenseExamples = R"(Examples:
-  penumbra synth --scene office --preset walking-xyz --sensor rgbd --depth --frames 300 --out out/office
+  penumbra synth --scene office --preset walking-xyz --frames 300 --out out/office
   penumbra slam out/office --dense --masks out/office/instances --out out/office_slam
   penumbra eval-dense out/office_slam --truth out/office
 
@@ -37,25 +37,6 @@ struct EvalDenseOptions {
   bool json = false;
 };
 
-// The numbers of people and of things that move.
-std::set<int> moving_instances(const std::filesystem::path& path) {
-  const nlohmann::json json =
-      nlohmann::json::parse(nn::read_text_file(path, "the classes of the instances"), nullptr, false);
-  const char* const expected = R"(an object of {"NUMBER": {"class": NAME, "moving": BOOL}})";
-  if (!json.is_object()) throw InputError(path.string(), expected, "something else, or a torn file");
-  std::set<int> numbers;
-  for (const auto& [number, instance] : json.items()) {
-    if (!instance.is_object() || number.empty() || number.size() > 5 ||
-        number.find_first_not_of("0123456789") != number.npos) {
-      throw InputError(fmt::format("{}, \"{}\"", path.string(), number), expected, "something else");
-    }
-    const nlohmann::json moving = instance.value("moving", nlohmann::json(false));
-    const nlohmann::json name = instance.value("class", nlohmann::json());
-    if ((moving.is_boolean() && moving.get<bool>()) || name == "person") numbers.insert(std::stoi(number));
-  }
-  return numbers;
-}
-
 // Where the map lies in the world of the truth: as the run's trajectory does.
 slam::Similarity place_of_map(const EvalDenseOptions& options) {
   const slam::Trajectory truth =
@@ -66,41 +47,46 @@ slam::Similarity place_of_map(const EvalDenseOptions& options) {
   return slam::align_poses(pair.reference, pair.estimate);
 }
 
+// 255 where the frame shows people and things that move.
+ByteImage moving_pixels(const WordImage& numbers, const std::map<int, MadeInstance>& instances) {
+  ByteImage moves(numbers.width(), numbers.height());
+  std::transform(
+      numbers.data(), numbers.data() + numbers.elements(), moves.data(), [&](std::uint16_t number) {
+        const auto at = instances.find(number);
+        const bool moving = at != instances.end() && (at->second.moves || at->second.class_name == "person");
+        return moving ? std::uint8_t{255} : std::uint8_t{0};
+      });
+  return moves;
+}
+
 slam::DenseTruth read_truth(const EvalDenseOptions& options) {
   const std::filesystem::path folder = options.truth;
-  const std::set<int> moving = moving_instances(folder / "instances.json");
-  const slam::ImageList clean = slam::read_tum_image_list(folder / "depth_clean.txt");
-  const std::vector<double> clean_times = slam::times_of(clean.images);
+  const std::map<int, MadeInstance> instances = read_instance_list(folder / "instances.json");
+  const TrueDepths depths(folder, folder / "depth_clean");
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(folder);
   if (!dataset->ground_truth()) throw InputError(options.truth, "a groundtruth.txt", "none");
+  const slam::Trajectory& poses = *dataset->ground_truth();
+  if (static_cast<int>(poses.size()) != dataset->size()) {
+    throw InputError((folder / "groundtruth.txt").string(),
+                     fmt::format("a pose for each of {} frames", dataset->size()),
+                     fmt::format("{} poses", poses.size()));
+  }
   slam::DenseTruth truth;
   ProgressBar progress("Reading the truth", dataset->size());
-  std::size_t at = 0, pose = 0;
   for (int i = 0; i < dataset->size(); i += options.every) {
     const slam::StereoImages frame = dataset->load(i);
-    const slam::Trajectory& poses = *dataset->ground_truth();
-    while (at + 1 < clean_times.size() && clean_times[at] < frame.timestamp - 1e-4) ++at;
-    while (pose + 1 < poses.size() && poses[pose].timestamp < frame.timestamp - 1e-4) ++pose;
-    const std::string& name = clean.images[at].name;
-    const WordImage words = nn::read_depth_image(folder / name, "the true depth, a 16-bit grey PNG");
-    const WordImage numbers = nn::read_depth_image(
-        folder / "instances" / std::filesystem::path(name).filename(), "instance numbers");
-    if (words.size() != frame.depth.size() || numbers.size() != frame.depth.size()) {
-      throw InputError(
-          (folder / name).string(),
-          fmt::format("{}x{} pixels, also of its instances", frame.depth.width(), frame.depth.height()),
-          fmt::format("{}x{} and {}x{}", words.width(), words.height(), numbers.width(), numbers.height()));
+    if (!depths.has(frame.index))
+      throw InputError((folder / "depth_clean").string(), fmt::format("an image of frame {}", frame.index),
+                       "none");
+    const FloatImage depth = depths.load(frame.index, frame.depth.size());
+    const std::filesystem::path numbers_file = folder / "instances" / depths.file(frame.index).filename();
+    const WordImage numbers = nn::read_depth_image(numbers_file, "a 16-bit grey PNG of instance numbers");
+    if (numbers.size() != depth.size()) {
+      throw InputError(numbers_file.string(), fmt::format("{}x{} pixels", depth.width(), depth.height()),
+                       fmt::format("{}x{}", numbers.width(), numbers.height()));
     }
-    FloatImage depth(words.width(), words.height());
-    ByteImage moves(words.width(), words.height());
-    constexpr float kUnits = 5000.0F;  // a metre, as TUM's depth
-    for (int v = 0; v < words.height(); ++v) {
-      for (int u = 0; u < words.width(); ++u) {
-        depth.at(u, v) = static_cast<float>(words.at(u, v)) / kUnits;
-        moves.at(u, v) = moving.contains(numbers.at(u, v)) ? 255 : 0;
-      }
-    }
-    truth.add(dataset->camera(), poses[pose].T_wc, depth, moves, frame.depth, options.farthest);
+    truth.add(dataset->camera(), poses[static_cast<std::size_t>(i)].T_wc, depth,
+              moving_pixels(numbers, instances), frame.depth, options.farthest);
     progress.update(i + 1);
   }
   return truth;
@@ -136,7 +122,7 @@ void add_eval_dense_command(CLI::App& app) {
       app.add_subcommand("eval-dense", "Compare a run's dense map with the truth of a made office");
   command->footer(kEvalDenseExamples);
   command->add_option("run", options->run, "folder that `penumbra slam --dense --out` wrote")->required();
-  command->add_option("--truth", options->truth, "the recording, from `penumbra synth --depth`")
+  command->add_option("--truth", options->truth, "the recording, from `penumbra synth --scene office`")
       ->required()
       ->type_name("DIR");
   command->add_option("--farthest", options->farthest, "metres from a camera beyond which nothing counts")

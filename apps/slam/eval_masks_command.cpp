@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
+#include "apps/common/made_truth.h"
 #include "apps/common/progress_bar.h"
 #include "apps/slam/mask_pictures.h"
 #include "apps/slam/segmenter.h"
@@ -16,7 +19,7 @@
 #include "nn/image/shapes.h"
 #include "slam/dynamics/rgbd/depth_masks.h"
 #include "slam/evaluation/depth_mask_evaluation.h"
-#include "slam/sources/folder_listing.h"
+#include "slam/pipeline/setting_fields.h"
 #include "slam/sources/open_dataset.h"
 
 namespace penumbra::apps {
@@ -24,7 +27,6 @@ namespace penumbra::apps {
 namespace {
 
 constexpr int kFewestPixels = 300, kShortestSide = 24;  // of an object that is looked at
-constexpr double kCleanFactor = 5000.0;                 // levels a metre, as in TUM's depth
 
 struct EvalMasksOptions {
   std::string folder, masks, clean, pictures;
@@ -46,10 +48,9 @@ constexpr Method kMethods[] = {
     {"grown, repaired", slam::RepairMode::modes, slam::ClusterMode::grown, 8},
 };
 
-constexpr std::pair<const char*, slam::RepairMode> kRepairs[] = {{"paper", slam::RepairMode::paper},
-                                                                 {"border", slam::RepairMode::border},
-                                                                 {"median", slam::RepairMode::median},
-                                                                 {"modes", slam::RepairMode::modes}};
+// The modes of the repair that repair, with their names.
+constexpr std::span kRepairs = std::span(slam::kWords<slam::RepairMode>).subspan<1>();
+static_assert(slam::kWords<slam::RepairMode>[0].second == slam::RepairMode::off);
 
 constexpr const char* kGroups[] = {"people, whole", "people, cut off", "people, behind things",
                                    "other things"};
@@ -65,7 +66,7 @@ struct Mean {
 
 struct Results {
   std::map<std::string, std::array<Mean, 4>> iou;  // by method and group
-  std::map<std::string, slam::RepairCount> repairs;
+  std::map<slam::RepairMode, slam::RepairCount> repairs;
 };
 
 // Writes the steps of the last method for a person who is large enough to be looked at.
@@ -108,15 +109,7 @@ void judge(const slam::StereoImages& images, const FloatImage* clean, const slam
   }
   if (clean == nullptr || group == 3) return;
   for (const auto& [name, mode] : kRepairs)
-    slam::count_repair(truth, images.depth, repaired(mode, truth.region), *clean, results.repairs[name]);
-}
-
-FloatImage read_metres(const std::filesystem::path& path) {
-  const WordImage levels = nn::read_depth_image(path);
-  FloatImage metres(levels.width(), levels.height());
-  std::transform(levels.data(), levels.data() + levels.elements(), metres.data(),
-                 [](std::uint16_t level) { return static_cast<float>(level / kCleanFactor); });
-  return metres;
+    slam::count_repair(truth, images.depth, repaired(mode, truth.region), *clean, results.repairs[mode]);
 }
 
 void print(const Results& results) {
@@ -139,7 +132,7 @@ void print(const Results& results) {
       "\nRepair in people's boxes\n\n| mode | holes on people filled % | RMSE of those m | holes of the "
       "background filled wrongly % |\n|---|---|---|---|\n");
   for (const auto& [name, mode] : kRepairs) {
-    const slam::RepairCount& count = results.repairs.at(name);
+    const slam::RepairCount& count = results.repairs.at(mode);
     fmt::print("| {} | {:.1f} | {:.3f} | {:.1f} |\n", name, 100.0 * count.filled_share(), count.rmse(),
                100.0 * count.wrong_share());
   }
@@ -155,11 +148,10 @@ void run_eval_masks(const EvalMasksOptions& options) {
     return given.empty() ? std::filesystem::path(options.folder) / usual : std::filesystem::path(given);
   };
   const slam::Segmenter truths = make_mask_reader(place(options.masks, "instances"));
-  std::vector<std::string> notes;
-  std::vector<std::filesystem::path> clean_files;
+  std::optional<TrueDepths> clean_depths;
   const std::filesystem::path clean_folder = place(options.clean, "depth_clean");
   if (!options.clean.empty() || std::filesystem::exists(clean_folder))
-    clean_files = slam::list_images(clean_folder, notes);
+    clean_depths.emplace(options.folder, clean_folder);
 
   if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
   Results results;
@@ -167,14 +159,9 @@ void run_eval_masks(const EvalMasksOptions& options) {
   ProgressBar progress("Masks", dataset->size());
   for (int i = 0; i < dataset->size(); ++i) {
     const slam::StereoImages images = dataset->load(i);
-    const auto at = static_cast<std::size_t>(images.index);
     FloatImage clean;
-    if (at < clean_files.size()) clean = read_metres(clean_files[at]);
-    if (!clean.empty() && clean.size() != images.left.size()) {
-      throw InputError(clean_files[at].string(),
-                       fmt::format("{}x{} pixels", images.left.width(), images.left.height()),
-                       fmt::format("{}x{}", clean.width(), clean.height()));
-    }
+    if (clean_depths && clean_depths->has(images.index))
+      clean = clean_depths->load(images.index, images.left.size());
     std::uint64_t number = 0;
     for (const slam::Instance& truth : truths({images.index, images.left, images.depth})) {
       ++number;

@@ -2,11 +2,10 @@
 
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
+#include "apps/common/made_truth.h"
 #include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
-#include "nn/base/file.h"
 #include "nn/image/image_file.h"
 #include "slam/sources/folder_listing.h"
 
@@ -16,26 +15,16 @@ namespace {
 
 constexpr int kFewestMaskPixels = 20;
 
-using ClassNames = std::map<int, std::string>;
+using Instances = std::map<int, MadeInstance>;
 
-ClassNames read_class_names(const std::filesystem::path& folder) {
-  std::filesystem::path path = folder / "instances.json";
-  if (!std::filesystem::exists(path)) path = folder.lexically_normal().parent_path() / "instances.json";
-  const std::string text = nn::read_text_file(path, "the classes of the instances");
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  const std::string expected = R"(an object of {"NUMBER": {"class": NAME}})";
-  if (!json.is_object()) throw InputError(path.string(), expected, "something else, or a torn file");
-  ClassNames names;
-  for (const auto& [key, value] : json.items()) {
-    const bool is_number = !key.empty() && key.size() <= 5 && key.find_first_not_of("0123456789") == key.npos;
-    if (!is_number || !value.is_object() || !value.contains("class") || !value["class"].is_string())
-      throw InputError(fmt::format("{}, \"{}\"", path.string(), key), expected, "something else");
-    names[std::stoi(key)] = value["class"].get<std::string>();
-  }
-  return names;
+// From beside the folder or in it.
+Instances read_instances(const std::filesystem::path& folder) {
+  const std::filesystem::path inside = folder / "instances.json";
+  if (std::filesystem::exists(inside)) return read_instance_list(inside);
+  return read_instance_list(folder.lexically_normal().parent_path() / "instances.json");
 }
 
-std::vector<slam::Instance> instances_of(const WordImage& numbers, const ClassNames& names) {
+std::vector<slam::Instance> instances_of(const WordImage& numbers, const Instances& known) {
   std::map<int, Rect> regions;
   for (int y = 0; y < numbers.height(); ++y) {
     for (int x = 0; x < numbers.width(); ++x) {
@@ -46,9 +35,9 @@ std::vector<slam::Instance> instances_of(const WordImage& numbers, const ClassNa
   }
   std::vector<slam::Instance> instances;
   for (const auto& [number, region] : regions) {
-    const auto name = names.find(number);
+    const auto at = known.find(number);
     slam::Instance instance;
-    instance.class_name = name == names.end() ? "unknown" : name->second;
+    instance.class_name = at == known.end() ? "unknown" : at->second.class_name;
     instance.score = 1.0F;
     instance.region = region;
     instance.mask.create(region.width, region.height);
@@ -86,7 +75,7 @@ std::map<int, std::filesystem::path> list_masks(const std::filesystem::path& fol
 }  // namespace
 
 slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
-  const auto names = std::make_shared<const ClassNames>(read_class_names(folder));
+  const auto names = std::make_shared<const Instances>(read_instances(folder));
   const auto masks = std::make_shared<const std::map<int, std::filesystem::path>>(list_masks(folder));
   return [masks, names](const slam::ImageToSegment& from) -> std::vector<slam::Instance> {
     const ByteImage& image = from.image;

@@ -1,4 +1,4 @@
-// How good a dense map is, where the truth is known (`penumbra synth --scene office --depth`).
+// How good a dense map is, where the truth is known (`penumbra synth --scene office`).
 //
 //   error          per voxel of the map its distance to the nearest place of a standing surface that was seen
 //   completeness   share of the voxels of standing surfaces, of what the depth sensor measured, that have a

@@ -29,36 +29,36 @@ std::vector<SettingField> setting_fields(SlamSettings& settings);
 
 // The words of the settings that are no numbers.
 template <class Mode>
-inline constexpr std::array<std::pair<std::string_view, Mode>, 0> kWords{};
+using Word = std::pair<std::string_view, Mode>;
+template <class Mode>
+inline constexpr std::array<Word<Mode>, 0> kWords{};
 template <>
-inline constexpr std::array kWords<MismatchFilterMode>{
-    std::pair<std::string_view, MismatchFilterMode>("off", MismatchFilterMode::off),
-    std::pair<std::string_view, MismatchFilterMode>("paper", MismatchFilterMode::paper),
-    std::pair<std::string_view, MismatchFilterMode>("adaptive", MismatchFilterMode::adaptive),
-    std::pair<std::string_view, MismatchFilterMode>("compensated", MismatchFilterMode::compensated)};
+inline constexpr auto kWords<MismatchFilterMode> =
+    std::to_array<Word<MismatchFilterMode>>({{"off", MismatchFilterMode::off},
+                                             {"paper", MismatchFilterMode::paper},
+                                             {"adaptive", MismatchFilterMode::adaptive},
+                                             {"compensated", MismatchFilterMode::compensated}});
 template <>
-inline constexpr std::array kWords<SegmentationMode>{
-    std::pair<std::string_view, SegmentationMode>("off", SegmentationMode::off),
-    std::pair<std::string_view, SegmentationMode>("keyframes", SegmentationMode::keyframes),
-    std::pair<std::string_view, SegmentationMode>("interval", SegmentationMode::interval),
-    std::pair<std::string_view, SegmentationMode>("all", SegmentationMode::all)};
+inline constexpr auto kWords<SegmentationMode> =
+    std::to_array<Word<SegmentationMode>>({{"off", SegmentationMode::off},
+                                           {"keyframes", SegmentationMode::keyframes},
+                                           {"interval", SegmentationMode::interval},
+                                           {"all", SegmentationMode::all}});
 
 template <>
-inline constexpr std::array kWords<InstanceMasks>{
-    std::pair<std::string_view, InstanceMasks>("masks", InstanceMasks::detector),
-    std::pair<std::string_view, InstanceMasks>("depth-clusters", InstanceMasks::depth_clusters),
-    std::pair<std::string_view, InstanceMasks>("boxes", InstanceMasks::boxes)};
+inline constexpr auto kWords<InstanceMasks> =
+    std::to_array<Word<InstanceMasks>>({{"masks", InstanceMasks::detector},
+                                        {"depth-clusters", InstanceMasks::depth_clusters},
+                                        {"boxes", InstanceMasks::boxes}});
 template <>
-inline constexpr std::array kWords<RepairMode>{
-    std::pair<std::string_view, RepairMode>("off", RepairMode::off),
-    std::pair<std::string_view, RepairMode>("paper", RepairMode::paper),
-    std::pair<std::string_view, RepairMode>("border", RepairMode::border),
-    std::pair<std::string_view, RepairMode>("median", RepairMode::median),
-    std::pair<std::string_view, RepairMode>("modes", RepairMode::modes)};
+inline constexpr auto kWords<RepairMode> = std::to_array<Word<RepairMode>>({{"off", RepairMode::off},
+                                                                            {"paper", RepairMode::paper},
+                                                                            {"border", RepairMode::border},
+                                                                            {"median", RepairMode::median},
+                                                                            {"modes", RepairMode::modes}});
 template <>
-inline constexpr std::array kWords<ClusterMode>{
-    std::pair<std::string_view, ClusterMode>("paper", ClusterMode::paper),
-    std::pair<std::string_view, ClusterMode>("grown", ClusterMode::grown)};
+inline constexpr auto kWords<ClusterMode> = std::to_array<Word<ClusterMode>>({{"paper", ClusterMode::paper},
+                                                                              {"grown", ClusterMode::grown}});
 
 // The value of a word that kWords has.
 template <class Mode>

@@ -17,7 +17,7 @@ class DenseRun : public ::testing::Test {
     shared = std::make_unique<test::TemporaryDirectory>();
     const std::string folder = shared->path().string();
     const auto synth = test::run_penumbra(fmt::format(
-        "synth --scene office --preset desk --depth --frames 20 --size 320x240 --out '{}/office'", folder));
+        "synth --scene office --preset desk --frames 20 --size 320x240 --out '{}/office'", folder));
     ASSERT_EQ(synth.exit_code, 0) << synth.err;
     const auto slam = test::run_penumbra(fmt::format("slam '{0}/office' --dense --out '{0}/run'", folder));
     ASSERT_EQ(slam.exit_code, 0) << slam.err;
@@ -47,6 +47,24 @@ TEST_F(DenseRun, AgreesWithTheTruth) {
   EXPECT_LT(score["median_error_m"], 0.02);
   EXPECT_GT(score["completeness"], 0.8);
   EXPECT_LT(score["ghosts"], 0.001);
+}
+
+TEST_F(DenseRun, AgreesWithTheTruthOfACameraWithOtherLevels) {
+  // A D435 has 1000 levels a metre, and so has the true depth beside it.
+  const std::string made = folder() + "/d435";
+  ASSERT_EQ(
+      test::run_penumbra(fmt::format("synth --scene office --preset desk --depth-sensor d435 --frames 10 "
+                                     "--size 320x240 --out '{}'",
+                                     made))
+          .exit_code,
+      0);
+  ASSERT_EQ(test::run_penumbra(fmt::format("slam '{0}' --dense --out '{0}_run'", made)).exit_code, 0);
+  const auto eval =
+      test::run_penumbra(fmt::format("eval-dense '{0}_run' --truth '{0}' --every 2 --json", made));
+  ASSERT_EQ(eval.exit_code, 0) << eval.err;
+  const nlohmann::json score = nlohmann::json::parse(eval.out);
+  EXPECT_LT(score["median_error_m"], 0.02);
+  EXPECT_GT(score["completeness"], 0.8);
 }
 
 TEST_F(DenseRun, IsInTheReport) {
