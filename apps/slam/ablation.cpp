@@ -111,11 +111,7 @@ std::string AblationCell::name() const {
                      filter, all_frames ? "_all" : "", run == 0 ? "" : fmt::format("_run{}", run));
 }
 
-bool AblationCell::is_office() const {
-  constexpr std::string_view kBegins[] = {"walking-", "sitting-", "desk", "twolaps"};
-  return std::any_of(std::begin(kBegins), std::end(kBegins),
-                     [&](std::string_view begin) { return preset.rfind(begin, 0) == 0; });
-}
+bool AblationCell::is_office() const { return slam::synthetic::is_office_preset(preset); }
 
 std::filesystem::path render_drive(const AblationCell& cell, const std::filesystem::path& folder) {
   const std::filesystem::path drive = folder / cell.drive_name();

@@ -51,13 +51,16 @@ void parse_segmentation(const std::string& text, slam::SemanticsSettings& semant
   semantics.interval = std::stoi(number);
 }
 
+// Whether an option counts: defaults of the command line do not undo what the file of settings says.
+bool has_a_say(const SlamOptions& options, const char* name) {
+  return options.settings.empty() || options.given.contains(name);
+}
+
 // --dynamics and what belongs to it. With boxes the class of a thing decides whether it moves, as in the
 // paper, unless --moving says otherwise.
 void set_masks(const SlamOptions& options, slam::SemanticsSettings& semantics) {
   slam::DepthMaskSettings& masks = semantics.depth_masks;
-  const auto says = [&](const char* name) {
-    return options.settings.empty() || options.given.contains(name);
-  };
+  const auto says = [&](const char* name) { return has_a_say(options, name); };
   if (says("--dynamics")) masks.masks = slam::value_of(options.dynamics, masks.masks);
   if (says("--repair")) masks.repair.mode = slam::value_of(options.repair, masks.repair.mode);
   if (says("--clusters")) masks.object.mode = slam::value_of(options.clusters, masks.object.mode);
@@ -260,10 +263,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   settings.deterministic = false;
   settings.threads = options.threads;
   if (!options.settings.empty()) slam::read_settings(options.settings, settings);
-  // Defaults of the command line do not undo what the file says.
-  const auto says = [&](const char* name) {
-    return options.settings.empty() || options.given.contains(name);
-  };
+  const auto says = [&](const char* name) { return has_a_say(options, name); };
   if (says("--features")) settings.orb.features = options.features;
   if (says("--filter")) settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(options.filter);
   if (says("--loops")) {

@@ -75,7 +75,7 @@ void DenseTruth::add(const StereoCamera& camera, const SE3& T_wc, const FloatIma
     for (int u = 0; u < depth.width(); u += kStep) {
       const double z = depth.at(u, v);
       if (!(z > 0.0) || z > farthest) continue;
-      SurfacePoint3 point;
+      SurfaceSample point;
       point.place = (T_wc * camera.back_project(u, v, z)).cast<float>();
       point.colour = {static_cast<float>(z), 0.0F, 0.0F};
       const double measured = sensed.at(u, v);

@@ -60,13 +60,8 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
   }
   prepare_folder(folder, overwrite, earlier);
 
-  struct Output {
-    std::string name;
-    bool wanted;
-    std::function<AnyImage()> image;
-  };
   SequenceFrame frame;
-  const Output outputs[] = {
+  const FrameOutput outputs[] = {
       {"image_0", true, [&] { return frame.left_grey; }},
       {"image_1", true, [&] { return frame.right_grey; }},
       {"image_2", recording.colour, [&] { return frame.left_bgr; }},
@@ -75,11 +70,9 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
       {"depth", recording.depth, [&] { return encode_depth(frame.left.depth, 256.0F); }},
       {"disparity", recording.disparity,
        [&] { return encode_disparity(frame.left.depth, sequence.camera()); }},
-      {"flow", recording.flow, [&] { return encode_flow(frame.flow); }},
+      {"flow", recording.flow, [&] { return encode_flow(frame.flow); }, true},
   };
-  for (const Output& output : outputs) {
-    if (output.wanted) make_folder(root / output.name);
-  }
+  make_folders(root, outputs);
   make_folder(folder / "poses");
   if (recording.annotations) make_folder(folder / "annotations");
   nn::write_file(root / "name.txt", sequence.name() + "\n");
@@ -92,10 +85,7 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
     const std::string name = fmt::format("{:06d}.png", i);
-    for (const Output& output : outputs) {
-      const bool no_next_frame = output.name == "flow" && i + 1 == sequence.size();
-      if (output.wanted && !no_next_frame) images.write(root / output.name / name, output.image());
-    }
+    images.write(root, outputs, name, i + 1 == sequence.size());
     if (recording.amodal) {
       write_whole_masks(images, root / "amodal" / fmt::format("{:06d}", i), frame.instances,
                         sequence.image_size());

@@ -5,7 +5,10 @@
 
 namespace penumbra::slam::synthetic {
 
-OfficeSettings office_preset(const std::string& name) {
+namespace {
+
+// Nothing for a name that is none.
+std::optional<OfficeSettings> find_preset(const std::string& name) {
   OfficeSettings settings;
   if (name == "desk" || name == "twolaps") {
     settings.people = People::none;
@@ -17,15 +20,23 @@ OfficeSettings office_preset(const std::string& name) {
                     path = dash == std::string::npos ? "" : name.substr(dash + 1);
   const bool known = (people == "walking" || people == "sitting") &&
                      (path == "static" || path == "xyz" || path == "rpy" || path == "halfsphere");
-  if (!known) {
-    throw UsageError(fmt::format(
-        "--preset: expected walking- or sitting- with xyz, static, rpy or halfsphere, or desk or twolaps, "
-        "found '{}'",
-        name));
-  }
+  if (!known) return std::nullopt;
   settings.people = parse_people(people);
   settings.path = path == "static" ? "still" : path;
   return settings;
+}
+
+}  // namespace
+
+bool is_office_preset(const std::string& name) { return find_preset(name).has_value(); }
+
+OfficeSettings office_preset(const std::string& name) {
+  const std::optional<OfficeSettings> settings = find_preset(name);
+  if (settings) return *settings;
+  throw UsageError(fmt::format(
+      "--preset: expected walking- or sitting- with xyz, static, rpy or halfsphere, or desk or twolaps, "
+      "found '{}'",
+      name));
 }
 
 People parse_people(const std::string& name) {

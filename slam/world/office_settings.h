@@ -31,6 +31,8 @@ struct OfficeSettings {
   void check() const;
 };
 
+// Whether office_preset knows the name.
+bool is_office_preset(const std::string& name);
 // "walking-xyz", "walking-static", "walking-rpy", "walking-halfsphere", the same four with "sitting", "desk"
 // or "twolaps"; throws UsageError for another name.
 OfficeSettings office_preset(const std::string& name);

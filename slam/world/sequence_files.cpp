@@ -38,6 +38,12 @@ void make_folder(const fs::path& folder) {
   if (error) throw Error(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
 }
 
+void make_folders(const fs::path& folder, std::span<const FrameOutput> outputs) {
+  for (const FrameOutput& output : outputs) {
+    if (output.wanted) make_folder(folder / output.name);
+  }
+}
+
 void write_instance_list(const fs::path& path, const World& world) {
   nlohmann::ordered_json instances = nlohmann::ordered_json::object();
   for (const Object& object : world.objects) {
@@ -69,6 +75,14 @@ void ImageWriter::write(fs::path path, const AnyImage& image) {
   if (failure_) std::rethrow_exception(failure_);
   jobs_.push_back(std::move(job));
   changed_.notify_all();
+}
+
+void ImageWriter::write(const fs::path& folder, std::span<const FrameOutput> outputs, const std::string& file,
+                        bool is_last_frame) {
+  for (const FrameOutput& output : outputs) {
+    if (output.wanted && !(output.needs_next_frame && is_last_frame))
+      write(folder / output.name / file, output.image());
+  }
 }
 
 void ImageWriter::finish() {

@@ -27,24 +27,17 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
   const Recording& recording = sequence.recording();
   const float factor = recording.depth_camera ? recording.depth_camera->levels_a_metre : kLevelsAMetre;
   SequenceFrame frame;
-  struct Output {
-    std::string name;
-    bool wanted;
-    std::function<AnyImage()> image;
-  };
-  const Output outputs[] = {
+  const FrameOutput outputs[] = {
       {"rgb", true, [&] { return frame.left_bgr; }},
       {"depth", true, [&] { return encode_sensed_depth(frame.sensed_depth, factor); }},
       {"instances", true, [&] { return frame.left.instance; }},
       {"depth_clean", recording.depth, [&] { return encode_depth(frame.left.depth, factor); }},
-      {"flow", recording.flow, [&] { return encode_flow(frame.flow); }},
+      {"flow", recording.flow, [&] { return encode_flow(frame.flow); }, true},
   };
   std::vector<fs::path> earlier{"amodal", "annotations/instances.json"};
-  for (const Output& output : outputs) earlier.emplace_back(output.name);
+  for (const FrameOutput& output : outputs) earlier.emplace_back(output.name);
   prepare_folder(folder, overwrite, earlier);
-  for (const Output& output : outputs) {
-    if (output.wanted) make_folder(folder / output.name);
-  }
+  make_folders(folder, outputs);
   if (recording.annotations) make_folder(folder / "annotations");
   const StereoCamera& camera = sequence.camera();
   nn::write_file(
@@ -69,11 +62,7 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
     const std::string time = fmt::format("{:.6f}", from_first[static_cast<std::size_t>(i)].timestamp);
-    for (const Output& output : outputs) {
-      const bool no_next_frame = output.name == "flow" && i + 1 == sequence.size();
-      if (output.wanted && !no_next_frame)
-        images.write(folder / output.name / (time + ".png"), output.image());
-    }
+    images.write(folder, outputs, time + ".png", i + 1 == sequence.size());
     if (recording.amodal)
       write_whole_masks(images, folder / "amodal" / time, frame.instances, sequence.image_size());
     if (recording.annotations) annotations.add("rgb/" + time + ".png", frame.instances);

@@ -20,6 +20,18 @@ double box_iou(const Rect& a, const Rect& b) {
   return shared / static_cast<double>(std::max(1, a.area() + b.area() - shared));
 }
 
+Rect border_of(const ByteImage& image) { return {0, 0, image.width(), image.height()}; }
+
+void leave_out_those_outside(const Rect& image, std::vector<Instance>& instances) {
+  std::erase_if(instances,
+                [&](const Instance& instance) { return intersection(instance.region, image).empty(); });
+}
+
+// All of its region.
+void make_its_box_its_mask(Instance& instance) {
+  instance.mask = ByteImage::filled(instance.region.width, instance.region.height, 255);
+}
+
 // Where an object was.
 struct Memory {
   std::string class_name;
@@ -49,9 +61,10 @@ class DepthMasks {
     }
     std::vector<Instance> instances = boxes_(from);
     std::erase_if(instances, [&](const Instance& instance) {
-      return static_cast<double>(instance.score) < least_score_ ||
-             intersection(instance.region, {0, 0, size.width, size.height}).empty();
+      return static_cast<double>(instance.score) < least_score_;
     });
+    const Rect border = border_of(from.image);
+    leave_out_those_outside(border, instances);
     const ByteImage grey = to_grey(from.image);
     if (!from.depth.empty()) {
       depth_.create(size.width, size.height);
@@ -60,9 +73,9 @@ class DepthMasks {
     }
     now_.clear();
     for (Instance& instance : instances) {
-      instance.region = intersection(instance.region, {0, 0, size.width, size.height});
+      instance.region = intersection(instance.region, border);
       if (from.depth.empty()) {
-        instance.mask = ByteImage::filled(instance.region.width, instance.region.height, 255);
+        make_its_box_its_mask(instance);
         continue;
       }
       object_.find(from.image, depth_, instance.region, past_depth(instance, from.frame), found_);
@@ -118,11 +131,11 @@ Segmenter masks_from_depth(Segmenter boxes, const StereoCamera& camera, double l
 Segmenter masks_of_boxes(Segmenter boxes) {
   return [boxes = std::move(boxes)](const ImageToSegment& from) {
     std::vector<Instance> instances = boxes(from);
-    const Rect image{0, 0, from.image.width(), from.image.height()};
-    std::erase_if(instances, [&](const Instance& i) { return intersection(i.region, image).empty(); });
+    const Rect border = border_of(from.image);
+    leave_out_those_outside(border, instances);
     for (Instance& instance : instances) {
-      instance.region = intersection(instance.region, image);
-      instance.mask = ByteImage::filled(instance.region.width, instance.region.height, 255);
+      instance.region = intersection(instance.region, border);
+      make_its_box_its_mask(instance);
     }
     return instances;
   };

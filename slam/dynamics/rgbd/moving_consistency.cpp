@@ -55,15 +55,17 @@ void MovingConsistency::follow(const ByteImage& grey, std::span<const Instance> 
   track_points(last_, now_, points_, moved_, flow);
   pairs_.clear();
   standing_.clear();
+  movable_.clear();
+  for (const Instance& object : objects) {
+    if (is_movable_class(object.class_name)) movable_.push_back(object.region);
+  }
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const FlowPoint &from = points_[i], &to = moved_[i];
     if (!to.found || !is_inside(grey.size(), to.x, to.y) || !looks_alike(image_, from, grey, to)) continue;
     pairs_.push_back({{from.x, from.y}, {to.x, to.y}});
     const auto x = static_cast<int>(to.x), y = static_cast<int>(to.y);
-    const auto hides = [&](const Instance& object) {
-      return is_movable_class(object.class_name) && object.region.contains(x, y);
-    };
-    if (std::none_of(objects.begin(), objects.end(), hides)) standing_.push_back(pairs_.back());
+    const auto hides = [&](const Rect& region) { return region.contains(x, y); };
+    if (std::none_of(movable_.begin(), movable_.end(), hides)) standing_.push_back(pairs_.back());
   }
   const bool enough = static_cast<int>(standing_.size()) >= kFewestStanding;
   const std::optional<FundamentalResult> found = find_fundamental(enough ? standing_ : pairs_);

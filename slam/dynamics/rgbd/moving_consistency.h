@@ -66,6 +66,7 @@ class MovingConsistency {
   std::vector<Corner> corners_;
   std::vector<FlowPoint> points_, moved_;
   std::vector<PointPair> pairs_, standing_;
+  std::vector<Rect> movable_;  // boxes of things that can move
   std::vector<PointMotions> motions_;
 };
 

@@ -67,18 +67,21 @@ void set_label(DenseView& view, int step, const Rect& region, const ByteImage& m
     if (x < 0 || y < 0 || x >= region.width || y >= region.height) return false;
     return mask.at(x * mask.width() / region.width, y * mask.height() / region.height) != 0;
   };
-  const int left = region.x / step, right = (region.x + region.width) / step;
-  const int top = region.y / step, bottom = (region.y + region.height) / step;
-  for (int row = std::max(0, top); row <= std::min(view.label.height() - 1, bottom); ++row) {
-    for (int column = std::max(0, left); column <= std::min(view.label.width() - 1, right); ++column) {
-      if (!on_mask(column, row)) continue;
-      for (int y = std::max(0, row - reach); y <= std::min(view.label.height() - 1, row + reach); ++y) {
-        for (int x = std::max(0, column - reach); x <= std::min(view.label.width() - 1, column + reach);
-             ++x) {
-          std::uint8_t& there = view.label.at(x, y);
-          if (there != kMoves) there = label;
-        }
+  const Rect image{0, 0, view.label.width(), view.label.height()};
+  const auto mark_around = [&](int column, int row) {
+    const Rect around = intersection({column - reach, row - reach, 2 * reach + 1, 2 * reach + 1}, image);
+    for (int y = around.y; y < around.y + around.height; ++y) {
+      for (int x = around.x; x < around.x + around.width; ++x) {
+        std::uint8_t& there = view.label.at(x, y);
+        if (there != kMoves) there = label;
       }
+    }
+  };
+  const Rect small = intersection(
+      {region.x / step, region.y / step, region.width / step + 2, region.height / step + 2}, image);
+  for (int row = small.y; row < small.y + small.height; ++row) {
+    for (int column = small.x; column < small.x + small.width; ++column) {
+      if (on_mask(column, row)) mark_around(column, row);
     }
   }
 }

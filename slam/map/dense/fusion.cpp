@@ -22,7 +22,7 @@ void measure(const PosedView& posed, std::uint32_t number, const FusionSettings&
       const std::uint8_t label = view.label.at(column, row);
       if (z <= 0.0F || label == kMoves) continue;
       const float sigma = noise * z * z;
-      SurfacePoint3 point;
+      SurfaceSample point;
       point.place =
           rotation * Eigen::Vector3f((static_cast<float>(column) - cx) / fx * z, y * z, z) + translation;
       point.weight = 1.0F / (sigma * sigma);

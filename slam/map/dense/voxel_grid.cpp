@@ -45,7 +45,7 @@ void VoxelGrid::rebuild(std::size_t slots) {
   for (std::size_t i = 0; i < voxels_.size(); ++i) table_[slot_of(keys_[i])] = static_cast<std::uint32_t>(i);
 }
 
-void VoxelGrid::add(const SurfacePoint3& point, std::uint32_t view) {
+void VoxelGrid::add(const SurfaceSample& point, std::uint32_t view) {
   const std::uint64_t key = key_of(point.place);
   if (key == kNowhere) return;
   std::size_t slot = slot_of(key);

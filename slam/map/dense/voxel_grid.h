@@ -25,7 +25,7 @@ struct Voxel {
 };
 
 // One measurement of a surface.
-struct SurfacePoint3 {
+struct SurfaceSample {
   Eigen::Vector3f place;   // metres, world
   float weight = 1.0F;     // 1 / variance
   Eigen::Vector3f colour;  // blue, green, red; 0..255
@@ -39,7 +39,7 @@ class VoxelGrid {
 
   // `view` is a number that differs from view to view. What is not finite, or more than a million voxels away
   // from the origin along an axis, is left out.
-  void add(const SurfacePoint3& point, std::uint32_t view);
+  void add(const SurfaceSample& point, std::uint32_t view);
   // Removes the voxels of which `is_empty` says so; the others keep their order.
   template <typename Predicate>
   void remove_if(Predicate is_empty) {

@@ -13,9 +13,9 @@
 namespace penumbra::slam {
 namespace {
 
-SurfacePoint3 random_point(std::uint32_t seed, std::uint32_t i, float extent) {
+SurfaceSample random_point(std::uint32_t seed, std::uint32_t i, float extent) {
   auto next = [&, k = 8 * i]() mutable { return counter_uniform_f32(seed, k++); };
-  SurfacePoint3 point;
+  SurfaceSample point;
   point.place = {extent * next(), extent * next(), extent * next()};
   point.weight = 1.5F + next();
   point.colour = {128.0F + 127.0F * next(), 128.0F + 127.0F * next(), 128.0F + 127.0F * next()};
@@ -33,7 +33,7 @@ TEST(VoxelGrid, HoldsTheWeightedMeansOfItsCells) {
   std::map<std::array<long, 3>, Sums> expected;
   VoxelGrid grid(kSize);
   for (std::uint32_t i = 0; i < 20'000; ++i) {
-    const SurfacePoint3 point = random_point(3, i, 2.0F);
+    const SurfaceSample point = random_point(3, i, 2.0F);
     const std::uint32_t view = 1 + i / 1000;
     grid.add(point, view);
     std::array<long, 3> cell{};
@@ -60,7 +60,7 @@ TEST(VoxelGrid, HoldsTheWeightedMeansOfItsCells) {
 
 TEST(VoxelGrid, GivesTheClassOfTheMajority) {
   VoxelGrid grid(1.0);
-  SurfacePoint3 point;
+  SurfaceSample point;
   point.place = Eigen::Vector3f::Constant(0.5F);
   point.colour.setZero();
   for (const int label : {4, 7, 7, 4, 7, 2, 7, 7}) {  // five of eight
@@ -72,7 +72,7 @@ TEST(VoxelGrid, GivesTheClassOfTheMajority) {
 
 TEST(VoxelGrid, LeavesOutWhatIsNowhere) {
   VoxelGrid grid(0.01);
-  SurfacePoint3 point;
+  SurfaceSample point;
   point.colour.setZero();
   for (const float place :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e5F}) {
