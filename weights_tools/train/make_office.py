@@ -13,11 +13,10 @@ import argparse
 import json
 import pathlib
 import shutil
-import subprocess
 
 import numpy as np
 
-from make_street import PENUMBRA, merge
+from make_street import add_arguments, make_all, synth
 
 PRESETS = ("walking-xyz", "walking-halfsphere", "walking-rpy", "sitting-xyz", "walking-static", "sitting-rpy",
            "twolaps", "sitting-halfsphere", "desk", "sitting-static")
@@ -81,8 +80,8 @@ def room(options, out, seed):
         path.write_text(views(seed, frames))
         noise = np.random.default_rng([seed, 1]).uniform(0.5, 4)
         what = ["--people", people, "--path", str(path), "--frames", str(frames), "--noise", f"{noise:.2f}"]
-    subprocess.run([*options.prefix.split(), options.penumbra, "synth", "--scene", "office", *what, "--seed", str(seed), "--annotations",
-                    "--depth-sensor", "simple", "--overwrite", "--out", work], check=True, stdout=subprocess.DEVNULL)
+    synth(options, "--scene", "office", *what, "--seed", str(seed), "--annotations", "--depth-sensor", "simple", "--overwrite",
+          "--out", work)
     if as_preset:
         keep_every(work, options.every)
     for folder in ("depth", "instances") if options.presets else ("depth", "instances", "depth_clean"):
@@ -92,20 +91,13 @@ def room(options, out, seed):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", required=True, type=pathlib.Path)
+    add_arguments(parser)
     parser.add_argument("--rooms", type=int, default=64)
-    parser.add_argument("--first-seed", type=int, default=100)
     parser.add_argument("--presets", action="store_true", help="film all rooms on the presets' paths, a preset a room")
     parser.add_argument("--preset-frames", type=int, default=240, help="frames of a preset's path")
     parser.add_argument("--every", type=int, default=8, help="the frames kept of a preset's path")
-    parser.add_argument("--penumbra", default=PENUMBRA)
-    parser.add_argument("--prefix", default="", help="command to run synth with, such as 'nice -n 10'")
     options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    names = [f"room_{seed:04d}" for seed in range(options.first_seed, options.first_seed + options.rooms)]
-    for k, name in enumerate(names):
-        room(options, options.out / name, options.first_seed + k)
-    merge(options.out, names)
+    make_all(options, "room", options.rooms, room)
 
 
 if __name__ == "__main__":

@@ -42,6 +42,10 @@ def road(seed, frames, spacing):
     return lines
 
 
+def synth(options, *arguments):
+    subprocess.run([*options.prefix.split(), options.penumbra, "synth", *arguments], check=True, stdout=subprocess.DEVNULL)
+
+
 def drive(options, out, seed):
     if (out / "annotations" / "instances.json").exists():
         return
@@ -50,8 +54,8 @@ def drive(options, out, seed):
     path.write_text("".join(" ".join(f"{v:.6f}" for v in line) + "\n"
                             for line in road(seed, options.frames, options.spacing)))
     preset = "crowded" if seed % 2 else "street"
-    subprocess.run([*options.prefix.split(), options.penumbra, "synth", "--path", path, "--preset", preset, "--seed", str(seed),
-                    "--colour", "--annotations", "--size", options.size, "--out", out], check=True, stdout=subprocess.DEVNULL)
+    synth(options, "--path", path, "--preset", preset, "--seed", str(seed), "--colour", "--annotations", "--size", options.size,
+          "--out", out)
     for folder in ("image_0", "image_1", "image_3"):
         shutil.rmtree(out / "sequences" / "00" / folder)
 
@@ -71,22 +75,31 @@ def merge(out, names):
     print(f"{len(images)} images, {len(annotations)} objects in {out}")
 
 
+def add_arguments(parser):
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    parser.add_argument("--first-seed", type=int, default=100)
+    parser.add_argument("--penumbra", default=PENUMBRA)
+    parser.add_argument("--prefix", default="", help="command to run synth with, such as 'nice -n 10'")
+
+
+def make_all(options, kind, count, make):
+    """`count` recordings, make(options, folder, seed) each, as one data set."""
+    options.out.mkdir(parents=True, exist_ok=True)
+    seeds = range(options.first_seed, options.first_seed + count)
+    for seed in seeds:
+        make(options, options.out / f"{kind}_{seed:04d}", seed)
+    merge(options.out, [f"{kind}_{seed:04d}" for seed in seeds])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", required=True, type=pathlib.Path)
+    add_arguments(parser)
     parser.add_argument("--drives", type=int, default=50)
-    parser.add_argument("--first-seed", type=int, default=100)
     parser.add_argument("--frames", type=int, default=40, help="frames a drive")
     parser.add_argument("--spacing", type=float, default=3.0, help="metres from frame to frame")
     parser.add_argument("--size", default="620x188")
-    parser.add_argument("--penumbra", default=PENUMBRA)
-    parser.add_argument("--prefix", default="", help="command to run synth with, such as 'nice -n 10'")
     options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    names = [f"drive_{seed:04d}" for seed in range(options.first_seed, options.first_seed + options.drives)]
-    for k, name in enumerate(names):
-        drive(options, options.out / name, options.first_seed + k)
-    merge(options.out, names)
+    make_all(options, "drive", options.drives, drive)
 
 
 if __name__ == "__main__":

@@ -14,16 +14,13 @@ drawn depend on the seed and the step alone. Writes to --out:
 Needs Debian's python3-torch, python3-torchvision, python3-opencv. Uses a GPU where PyTorch has one.
 """
 import argparse
-import json
-import math
-import os
 import pathlib
 import sys
-import time
 
 import torch
 
 import evaluate
+import loop
 from coco_data import Batches, CocoData, class_map
 from config import CONFIGS
 from export import export
@@ -33,16 +30,12 @@ from model import SemanticHead, build
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    loop.add_arguments(parser)
     parser.add_argument("--config", choices=CONFIGS, default="tiny")
     parser.add_argument("--attention", action="store_true", help="mixed attention in the pyramid; else the baseline")
-    parser.add_argument("--annotations", required=True, help="training set, COCO instances JSON")
-    parser.add_argument("--images", required=True, help="folder that its file names refer to")
     parser.add_argument("--val-annotations", help="validation set")
     parser.add_argument("--val-images")
-    parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--steps", type=int, default=1000)
-    parser.add_argument("--stop", type=int, help="stop after this step of the schedule; run again to go on")
-    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--batch", type=int, help="images a step")
     parser.add_argument("--learning-rate", type=float)
     parser.add_argument("--scale", type=float, default=1.0,
@@ -52,17 +45,8 @@ def arguments():
     parser.add_argument("--weight-decay", type=float, default=0.01)
     parser.add_argument("--init", help="weights to start from: torchvision's .pth or a checkpoint.pt of this script")
     parser.add_argument("--checkpoint-every", type=int, default=100, help="steps")
-    parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
     parser.add_argument("--penumbra", default=evaluate.PENUMBRA, help="for the validation")
     return parser.parse_args()
-
-
-def learning_rate(step, steps, peak):
-    """Rises for the first twentieth, then falls along a cosine to a hundredth."""
-    warm_up = max(1, steps // 20)
-    if step < warm_up:
-        return peak * (step + 1) / warm_up
-    return peak * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * (step - warm_up) / max(1, steps - warm_up))))
 
 
 def parameter_groups(model, semantic, gate_rate, weight_decay):
@@ -75,9 +59,10 @@ def parameter_groups(model, semantic, gate_rate, weight_decay):
     return [dict(params=p, rate=rate, weight_decay=decay) for (rate, decay), p in groups.items()]
 
 
-class Training:
+class Training(loop.Loop):
     def __init__(self, options):
-        self.options, self.config = options, CONFIGS[options.config]
+        super().__init__(options, digits=4)
+        self.config = CONFIGS[options.config]
         self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
         self.peak = options.learning_rate or self.config.learning_rate
         data = CocoData(options.annotations, options.images, self.config.classes, scale=options.scale)
@@ -96,25 +81,13 @@ class Training:
         self.semantic.to(self.device)
         self.optimizer = torch.optim.AdamW(
             parameter_groups(self.model, self.semantic, options.gate_rate, options.weight_decay), lr=self.peak)
-        self.step, self.seconds = 0, 0.0
-        self.checkpoint = options.out / "checkpoint.pt"
-        if self.checkpoint.exists():
-            self.resume()
+        self.resume()
 
-    def resume(self):
-        saved = torch.load(self.checkpoint, map_location="cpu")
-        self.model.load_state_dict(saved["model"])
-        self.semantic.load_state_dict(saved["semantic"])
-        self.optimizer.load_state_dict(saved["optimizer"])
-        self.step, self.seconds = saved["step"], saved["seconds"]
-        print(f"going on from step {self.step}", file=sys.stderr)
+    def kept(self):
+        return dict(model=self.model, semantic=self.semantic, optimizer=self.optimizer)
 
-    def save(self):
-        part = self.checkpoint.with_suffix(".part")
-        torch.save(dict(model=self.model.state_dict(), semantic=self.semantic.state_dict(), step=self.step,
-                        optimizer=self.optimizer.state_dict(), seconds=self.seconds,
-                        attention=self.options.attention, config=self.config.name), part)
-        os.replace(part, self.checkpoint)
+    def noted(self):
+        return dict(attention=self.options.attention, config=self.config.name)
 
     def losses(self, images, targets):
         losses = self.model([image.to(self.device) for image in images],
@@ -127,7 +100,7 @@ class Training:
 
     def one_step(self):
         torch.manual_seed(self.options.seed * 1000003 + self.step)  # which anchors and proposals are sampled
-        rate = learning_rate(self.step, self.options.steps, self.peak)
+        rate = loop.learning_rate(self.step, self.options.steps, self.peak)
         for group in self.optimizer.param_groups:
             group["lr"] = rate * group["rate"]
         losses = self.losses(*self.batches[self.step])
@@ -139,29 +112,6 @@ class Training:
             self.optimizer.step()
         self.step += 1
         return {name: float(value) for name, value in losses.items()}
-
-    def run(self):
-        sums, counted, last = {}, 0, min(self.options.steps, self.options.stop or self.options.steps)
-        while self.step < last:
-            start = time.monotonic()
-            losses = self.one_step()
-            self.seconds += time.monotonic() - start
-            for name, value in losses.items():
-                sums[name] = sums.get(name, 0.0) + value
-            counted += 1
-            if self.step % 20 == 0 or self.step == last:
-                self.report({name: value / counted for name, value in sums.items()})
-                sums, counted = {}, 0
-            if self.step % self.options.checkpoint_every == 0 or self.step == last:
-                self.save()
-
-    def report(self, losses):
-        line = dict(step=self.step, seconds=round(self.seconds, 1), **{n: round(v, 4) for n, v in losses.items()})
-        with open(self.options.out / "log.jsonl", "a") as file:
-            file.write(json.dumps(line) + "\n")
-        left = self.seconds / self.step * (self.options.steps - self.step)
-        print(f"{self.step}/{self.options.steps}, {left / 60:.1f} min left, "
-              + ", ".join(f"{n.removeprefix('loss_')} {v:.3f}" for n, v in losses.items()), file=sys.stderr, flush=True)
 
     def finish(self):
         """Writes the weights; validates them and notes their AP in their metadata."""

@@ -13,19 +13,16 @@ Needs Debian's python3-torch, python3-torchvision, python3-opencv; on a processo
 """
 import argparse
 import functools
-import json
-import os
 import pathlib
 import sys
-import time
 
 import cv2
 import numpy as np
 import torch
 
+import loop
 import safetensors_file
 from coco_data import LUMA, CocoData
-from train import learning_rate
 from yolov5_loss import build, losses
 
 # Widths and heights of the images, and how often each is drawn: in the first part of the steps and in the second.
@@ -37,13 +34,9 @@ GREY = 114  # of what lies outside an image, as the engine fills it
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--annotations", required=True, help="training set, COCO instances JSON")
-    parser.add_argument("--images", required=True, help="folder that its file names refer to")
+    loop.add_arguments(parser)
     parser.add_argument("--classes", required=True, help="names of the categories to learn, separated by commas")
-    parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--steps", type=int, default=2000)
-    parser.add_argument("--stop", type=int, help="stop after this step of the schedule; run again to go on")
-    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--batch", type=int, default=12, help="images of 320 x 256 a step; of other sizes as many pixels")
     parser.add_argument("--learning-rate", type=float, default=2e-3)
     parser.add_argument("--weight-decay", type=float, default=0.01)
@@ -51,7 +44,6 @@ def arguments():
     parser.add_argument("--first-part", type=float, default=0.5, help="share of the steps with small images alone")
     parser.add_argument("--init", help="weights.safetensors to start from, of a network with the same classes")
     parser.add_argument("--checkpoint-every", type=int, default=50, help="steps")
-    parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
     return parser.parse_args()
 
 
@@ -119,9 +111,10 @@ class Samples:
         return torch.from_numpy(np.stack(images)), torch.from_numpy(np.concatenate(targets).astype(np.float32))
 
 
-class Training:
+class Training(loop.Loop):
     def __init__(self, options):
-        self.options, self.classes = options, options.classes.split(",")
+        super().__init__(options, digits=5)
+        self.classes = options.classes.split(",")
         data = CocoData(options.annotations, options.images, self.classes, least_area=40)
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
         self.samples = Samples(data, options.batch, options.first_part * options.steps, options.seed)
@@ -134,28 +127,24 @@ class Training:
         others = [p for p in self.model.parameters() if p.dim() <= 1]
         self.optimizer = torch.optim.AdamW([dict(params=decaying, weight_decay=options.weight_decay),
                                             dict(params=others, weight_decay=0.0)], lr=options.learning_rate)
-        self.step, self.seconds = 0, 0.0
-        self.checkpoint = options.out / "checkpoint.pt"
-        if self.checkpoint.exists():
-            self.resume()
+        saved = self.resume()
+        if saved:
+            self.mean = saved["mean"]
 
-    def resume(self):
-        saved = torch.load(self.checkpoint, map_location="cpu")
-        self.model.load_state_dict(saved["model"])
-        self.optimizer.load_state_dict(saved["optimizer"])
-        self.mean, self.step, self.seconds = saved["mean"], saved["step"], saved["seconds"]
-        print(f"going on from step {self.step}", file=sys.stderr)
+    def kept(self):
+        return dict(model=self.model, optimizer=self.optimizer)
+
+    def noted(self):
+        return dict(mean=self.mean)
 
     def save(self):
-        part = self.checkpoint.with_suffix(".part")
-        torch.save(dict(model=self.model.state_dict(), mean=self.mean, optimizer=self.optimizer.state_dict(), step=self.step,
-                        seconds=self.seconds), part)
-        os.replace(part, self.checkpoint)
+        super().save()
+        self.export()
 
     def one_step(self):
         images, targets = self.samples[self.step]
         for group in self.optimizer.param_groups:
-            group["lr"] = learning_rate(self.step, self.options.steps, self.options.learning_rate)
+            group["lr"] = loop.learning_rate(self.step, self.options.steps, self.options.learning_rate)
         parts = losses(self.model(images.contiguous(memory_format=torch.channels_last)), targets, self.model.model[24].anchors)
         self.optimizer.zero_grad(set_to_none=True)
         sum(parts.values()).backward()
@@ -167,28 +156,6 @@ class Training:
             if value.is_floating_point():
                 self.mean[name].mul_(keep).add_(value, alpha=1 - keep)
         return {name: float(value) for name, value in parts.items()}
-
-    def run(self):
-        sums, counted, last = {}, 0, min(self.options.steps, self.options.stop or self.options.steps)
-        while self.step < last:
-            start = time.monotonic()
-            parts = self.one_step()
-            self.seconds += time.monotonic() - start
-            sums = {name: sums.get(name, 0.0) + value for name, value in parts.items()}
-            counted += 1
-            if self.step % 20 == 0 or self.step == last:
-                self.report({name: value / counted for name, value in sums.items()})
-                sums, counted = {}, 0
-            if self.step % self.options.checkpoint_every == 0 or self.step == last:
-                self.save()
-                self.export()
-
-    def report(self, parts):
-        line = dict(step=self.step, seconds=round(self.seconds, 1), **{n: round(v, 5) for n, v in parts.items()})
-        with open(self.options.out / "log.jsonl", "a") as file:
-            file.write(json.dumps(line) + "\n")
-        print(f"{self.step}/{self.options.steps}, {self.seconds / 60:.1f} min, "
-              + ", ".join(f"{n} {v:.4f}" for n, v in parts.items()), file=sys.stderr, flush=True)
 
     def export(self):
         options = self.options
