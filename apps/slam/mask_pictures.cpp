@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
+#include "nn/image/drawing.h"
 #include "nn/image/fast_corners.h"
 #include "nn/image/grey.h"
 #include "slam/dynamics/rgbd/depth_kmeans.h"
@@ -12,23 +14,22 @@ namespace penumbra::apps {
 
 namespace {
 
-using Colour = std::array<std::uint8_t, 3>;  // blue, green, red
-
 constexpr int kGap = 4;  // pixels between pictures
-constexpr int kPanels = 6;
+constexpr const char* kPanels[] = {"image", "depth", "repaired", "clusters", "mask", "corners"};
+constexpr int kCaption = 18;  // pixels above the pictures
 constexpr int kClusters = 8;
 constexpr int kFastThreshold = 20;
-constexpr Colour kUnknown = {40, 20, 110}, kTaken = {60, 60, 230}, kKept = {90, 210, 90};
-constexpr std::array<Colour, kClusters> kClusterColours = {{{180, 119, 31},
-                                                            {14, 127, 255},
-                                                            {44, 160, 44},
-                                                            {40, 39, 214},
-                                                            {189, 103, 148},
-                                                            {75, 86, 140},
-                                                            {194, 119, 227},
-                                                            {150, 150, 150}}};
+constexpr Bgr kUnknown = {40, 20, 110}, kTaken = {60, 60, 230}, kKept = {90, 210, 90};
+constexpr std::array<Bgr, kClusters> kClusterColours = {{{180, 119, 31},
+                                                         {14, 127, 255},
+                                                         {44, 160, 44},
+                                                         {40, 39, 214},
+                                                         {189, 103, 148},
+                                                         {75, 86, 140},
+                                                         {194, 119, 227},
+                                                         {150, 150, 150}}};
 
-Colour depth_colour(float metres) {
+Bgr depth_colour(float metres) {
   constexpr float kNearest = 0.6F;  // metres, white
   if (!(metres > 0.0F)) return kUnknown;
   const auto grey = static_cast<std::uint8_t>(std::lround(255.0F * std::min(1.0F, kNearest / metres)));
@@ -47,7 +48,7 @@ std::vector<slam::DepthCluster> clusters_of(const FloatImage& depth, const Rect&
   return kmeans.cluster(histogram, kClusters);
 }
 
-Colour cluster_colour(const std::vector<slam::DepthCluster>& clusters, float metres) {
+Bgr cluster_colour(const std::vector<slam::DepthCluster>& clusters, float metres) {
   if (!(metres > 0.0F)) return kUnknown;
   const int bin = slam::DepthHistogram::bin_of(metres);
   for (std::size_t c = 0; c < clusters.size(); ++c) {
@@ -60,16 +61,19 @@ Colour cluster_colour(const std::vector<slam::DepthCluster>& clusters, float met
 
 ByteImage mask_steps(const ByteImage& image, const FloatImage& depth, const FloatImage& repaired,
                      const Rect& box, const slam::ObjectMask& mask) {
-  ByteImage picture = ByteImage::filled(kPanels * (box.width + kGap) - kGap, box.height, 255, 3);
+  const int panels = static_cast<int>(std::size(kPanels)), from_panel = box.width + kGap;
+  ByteImage picture = ByteImage::filled(panels * from_panel - kGap, kCaption + box.height, 255, 3);
+  for (int panel = 0; panel < panels; ++panel)
+    draw_text(picture, kPanels[panel], {panel * from_panel + 2.0, kCaption - 5.0}, 9.0, {0, 0, 0});
   const std::vector<slam::DepthCluster> clusters = clusters_of(repaired, box);
-  const auto draw = [&](int panel, int x, int y, const Colour& colour) {
-    std::copy(colour.begin(), colour.end(), &picture.at(panel * (box.width + kGap) + x, y));
+  const auto draw = [&](int panel, int x, int y, const Bgr& colour) {
+    std::copy(colour.begin(), colour.end(), &picture.at(panel * from_panel + x, kCaption + y));
   };
   for (int y = 0; y < box.height; ++y) {
     for (int x = 0; x < box.width; ++x) {
       const int u = box.x + x, v = box.y + y, step = image.channels() == 3 ? 1 : 0;
-      const Colour pixel = {image.at(u, v, 0), image.at(u, v, step), image.at(u, v, 2 * step)};
-      Colour dark = pixel;
+      const Bgr pixel = {image.at(u, v, 0), image.at(u, v, step), image.at(u, v, 2 * step)};
+      Bgr dark = pixel;
       for (std::uint8_t& value : dark) value = static_cast<std::uint8_t>(value / 4);
       draw(0, x, y, pixel);
       draw(1, x, y, depth_colour(depth.at(u, v)));
@@ -89,7 +93,7 @@ ByteImage mask_steps(const ByteImage& image, const FloatImage& depth, const Floa
   fast.find(inside, kFastThreshold, corners);
   for (const Corner& corner : corners) {
     const int x = corner.x - box.x, y = corner.y - box.y;
-    const Colour& colour = mask.mask.at(x, y) != 0 ? kTaken : kKept;
+    const Bgr& colour = mask.mask.at(x, y) != 0 ? kTaken : kKept;
     for (int v = std::max(0, y - 1); v <= std::min(box.height - 1, y + 1); ++v) {
       for (int u = std::max(0, x - 1); u <= std::min(box.width - 1, x + 1); ++u) draw(5, u, v, colour);
     }

@@ -187,6 +187,10 @@ nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings
     json["plan_cells"] = {{"free", map.plan->count(Grid::kFree)},
                           {"blocked", map.plan->count(Grid::kBlocked)},
                           {"unknown", map.plan->count(Grid::kUnknown)}};
+    const slam::SE3& T = map.plan->T_plan_world;
+    for (int row = 0; row < 3; ++row)
+      json["plan_from_map"].push_back(
+          {T.rotation(row, 0), T.rotation(row, 1), T.rotation(row, 2), T.translation[row]});
   }
   return json;
 }

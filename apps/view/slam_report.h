@@ -43,7 +43,8 @@ struct SlamRun {
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record);
 
 // Of a dense map: voxels, voxel_m, classes (names, their numbers are their places), views, megabytes, floor
-// (whether one was found), plan_cells (free, blocked, unknown).
+// (whether one was found), plan_cells (free, blocked, unknown), plan_from_map (rows of [R t]: from the map's
+// world, in which trajectories and clouds are, to the plan's).
 nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings& settings);
 
 // The loops in which this run came to a place of its own again: pairs of frames, the later first.

@@ -37,6 +37,7 @@ TEST_F(DenseRun, LeavesAMapAndItsFigures) {
   EXPECT_EQ(run["dense"]["classes"], nlohmann::json(cloud.classes));
   EXPECT_TRUE(std::filesystem::exists(*shared / "run/dense.pcd"));
   EXPECT_EQ(std::filesystem::exists(*shared / "run/plan.pgm"), run["dense"]["floor"].get<bool>());
+  EXPECT_EQ(run["dense"].contains("plan_from_map"), run["dense"]["floor"].get<bool>());
 }
 
 TEST_F(DenseRun, AgreesWithTheTruth) {

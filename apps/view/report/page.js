@@ -79,7 +79,8 @@ function axes(canvas, x_range, y_range, x_name, y_name) {
     const raw = (range[1] - range[0]) / count, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map(f => f * power).find(s => s >= raw);
     const values = [];
-    for (let v = Math.ceil(range[0] / step) * step; v <= range[1] + 1e-9; v += step) values.push(Number(v.toPrecision(6)));
+    // From whole steps: sums of them end beside 0.
+    for (let k = Math.ceil(range[0] / step); k * step <= range[1] + 1e-9; ++k) values.push(Number((k * step).toPrecision(6)));
     return values;
   };
   draw.textAlign = 'right'; draw.textBaseline = 'middle';
@@ -268,9 +269,10 @@ function chosen_points(data) {
 function dense_choice(data) {
   element('space-choice').hidden = !data.dense;
   if (!data.dense) return;
-  const names = data.dense.classes.map((name, label) => {
+  const shown = new Set(bytes_of(data.dense.label));
+  const names = [...shown].sort((a, b) => a - b).map(label => {
     const item = document.createElement('span'), [r, g, b] = class_colours([label]);
-    item.textContent = (name || 'no class') + ' ';
+    item.textContent = (data.dense.classes[label] || 'no class') + ' ';
     item.style.color = `rgb(${r}, ${g}, ${b})`;
     return item;
   });
