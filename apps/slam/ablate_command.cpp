@@ -59,7 +59,8 @@ void add_cells(AblationCell cell, const std::vector<NamedWeights>& weights,
                std::vector<AblationCell>& cells) {
   const bool by_network = cell.masks == MaskSource::classes || cell.masks == MaskSource::geometry;
   const bool by_either = cell.masks != MaskSource::none && cell.masks != MaskSource::movers &&
-                         cell.masks != MaskSource::truth;  // a network's, or exact ones
+                         cell.masks != MaskSource::truth &&
+                         cell.masks != MaskSource::static_masks;  // a network's, or exact ones
   if (by_network && weights.empty())
     throw UsageError(fmt::format("--masks {}: needs --weights", name_of(cell.masks)));
   if (!by_either || weights.empty()) {
@@ -177,9 +178,9 @@ Cells that are in the --out folder already are not run again. Writes ablation.md
        "of the street: easy, street, crowded, lorry, lorry-close; of the office: those of `penumbra synth`");
   list("--masks", options->masks,
        "none; movers (no masks, geometry alone); classes, geometry (by the networks); of RGB-D boxes, "
-       "clusters-unrepaired, clusters, clusters-consistent (by the networks' boxes, or exact ones); truth "
-       "(exact "
-       "masks)");
+       "clusters-unrepaired, clusters, clusters-consistent, dbscan, static-boxes, static-paper, "
+       "static-points (by the networks' boxes, or exact ones); static-masks (exact masks, and points given "
+       "back); truth (exact masks)");
   list("--filters", options->filters, "mismatch filters: off, paper, adaptive, compensated");
   list("--weights", options->weights, "networks, NAME=FILE or FILE");
   list("--seeds", options->seeds, "of the street");

@@ -26,10 +26,19 @@ namespace penumbra::apps {
 namespace {
 
 constexpr std::pair<const char*, MaskSource> kSources[] = {
-    {"none", MaskSource::none},         {"movers", MaskSource::movers},
-    {"classes", MaskSource::classes},   {"geometry", MaskSource::geometry},
-    {"boxes", MaskSource::boxes},       {"clusters-unrepaired", MaskSource::clusters_unrepaired},
-    {"clusters", MaskSource::clusters}, {"clusters-consistent", MaskSource::clusters_consistent},
+    {"none", MaskSource::none},
+    {"movers", MaskSource::movers},
+    {"classes", MaskSource::classes},
+    {"geometry", MaskSource::geometry},
+    {"boxes", MaskSource::boxes},
+    {"clusters-unrepaired", MaskSource::clusters_unrepaired},
+    {"clusters", MaskSource::clusters},
+    {"clusters-consistent", MaskSource::clusters_consistent},
+    {"dbscan", MaskSource::dbscan},
+    {"static-boxes", MaskSource::static_boxes},
+    {"static-paper", MaskSource::static_paper},
+    {"static-points", MaskSource::static_points},
+    {"static-masks", MaskSource::static_masks},
     {"truth", MaskSource::truth}};
 
 constexpr const char* kComplete = ".complete";  // marks a drive that was rendered to its end
@@ -37,6 +46,16 @@ constexpr const char* kComplete = ".complete";  // marks a drive that was render
 bool uses_clusters(MaskSource source) {
   return source == MaskSource::clusters_unrepaired || source == MaskSource::clusters ||
          source == MaskSource::clusters_consistent;
+}
+
+bool gives_back(MaskSource source) {
+  return source == MaskSource::static_boxes || source == MaskSource::static_paper ||
+         source == MaskSource::static_points || source == MaskSource::static_masks;
+}
+
+bool is_by_dbscan(MaskSource source) {
+  return source == MaskSource::dbscan || source == MaskSource::static_paper ||
+         source == MaskSource::static_points;
 }
 
 slam::SlamSettings settings_of(const AblationCell& cell) {
@@ -51,10 +70,18 @@ slam::SlamSettings settings_of(const AblationCell& cell) {
   slam::DepthMaskSettings& depth = settings.semantics.depth_masks;
   depth.consistency.enabled = cell.masks == MaskSource::clusters_consistent;
   if (cell.masks == MaskSource::clusters_unrepaired) depth.repair.mode = slam::RepairMode::off;
-  if (cell.masks == MaskSource::boxes) {
+  if (cell.masks == MaskSource::boxes || cell.masks == MaskSource::static_boxes) {
     depth.masks = slam::InstanceMasks::boxes;
   } else if (uses_clusters(cell.masks)) {
     depth.masks = slam::InstanceMasks::depth_clusters;
+  } else if (is_by_dbscan(cell.masks)) {
+    depth.masks = slam::InstanceMasks::dbscan;
+  }
+  const bool paper = cell.masks == MaskSource::static_paper;
+  if (paper) depth.foreground.mode = slam::ForegroundMode::paper;
+  if (gives_back(cell.masks)) {
+    settings.semantics.static_points.constraint.mode =
+        paper ? slam::StaticPointMode::paper : slam::StaticPointMode::adaptive;
   }
   return settings;
 }

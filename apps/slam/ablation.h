@@ -24,6 +24,11 @@ enum class MaskSource {
                         // alone
   clusters,             // the same with holes repaired first
   clusters_consistent,  // and what is seen to move, too
+  dbscan,               // what the depths of the feature points in the boxes say (rgbd/dbscan_masks.h)
+  static_boxes,         // whole boxes, of which points that stand still are given back (static_points.h)
+  static_paper,         // dbscan, and points given back, both in the letter of the paper
+  static_points,        // dbscan, and points given back
+  static_masks,         // exact masks, of which points that stand still are given back
   truth,                // exact masks; on the street geometry decides what moves
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "slam/dynamics/rgbd/dbscan_masks.h"
 
 namespace penumbra::apps {
 
@@ -38,6 +39,9 @@ slam::Segmenter refined(slam::Segmenter segmenter, const slam::StereoCamera& cam
     case slam::InstanceMasks::depth_clusters:
       return slam::masks_from_depth(std::move(segmenter), camera, settings.instances.least_score,
                                     settings.depth_masks);
+    case slam::InstanceMasks::dbscan:
+      return slam::masks_by_dbscan(std::move(segmenter), settings.instances.least_score,
+                                   settings.depth_masks.foreground);
     case slam::InstanceMasks::boxes:
       return slam::masks_of_boxes(std::move(segmenter));
     case slam::InstanceMasks::detector:

@@ -25,6 +25,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
   penumbra slam rgbd_dataset_freiburg1_xyz --dense --out out/xyz   and what it saw as a dense map and a plan of the floor
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics depth-clusters --out out/people
+  penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics static-points --out out/standing
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
@@ -79,9 +80,9 @@ void add_slam_command(CLI::App& app) {
       ->type_name("WHICH");
   command
       ->add_option("--dynamics", options->dynamics,
-                   "an object's pixels: the detector's masks, what the depths in its box say (RGB-D), or all "
-                   "of the boxes")
-      ->check(CLI::IsMember({"masks", "depth-clusters", "boxes"}))
+                   "an object's pixels: the detector's masks, what the depths in its box say (RGB-D; "
+                   "static-points also gives back points that stand still), or all of the boxes")
+      ->check(CLI::IsMember({"masks", "depth-clusters", "static-points", "boxes"}))
       ->capture_default_str();
   command
       ->add_option("--repair", options->repair,
@@ -99,10 +100,22 @@ void add_slam_command(CLI::App& app) {
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   command
+      ->add_option("--foreground", options->foreground,
+                   "static-points: which of the features' depths are a person's, as the paper clusters them "
+                   "or adaptive, see docs/dynamics/static-points.md")
+      ->check(CLI::IsMember({"paper", "adaptive"}))
+      ->capture_default_str();
+  command
+      ->add_option("--static-points", options->static_points,
+                   "which points on what can move stand still and are used: none, by the paper's thresholds, "
+                   "or by the points' own uncertainty (default with --dynamics static-points)")
+      ->check(CLI::IsMember({"off", "paper", "adaptive"}))
+      ->type_name("TEXT:{off,paper,adaptive}");
+  command
       ->add_option(
           "--moving", options->moving,
           "what is left out: instances that geometry finds moving (default), or every class that can "
-          "move (default with --dynamics depth-clusters and boxes)")
+          "move (default with all other --dynamics than masks, and with --static-points)")
       ->check(CLI::IsMember({"geometry", "class"}))
       ->type_name("TEXT:{geometry,class}");
   command->add_option("--movers", options->movers, "find large moving things without masks, by geometry")

@@ -13,6 +13,7 @@
 #include "apps/common/process_usage.h"
 #include "apps/common/progress_bar.h"
 #include "apps/slam/segmenter.h"
+#include "apps/slam/semantics_options.h"
 #include "apps/slam/slam_results.h"
 #include "apps/view/live_view.h"
 #include "nn/base/error.h"
@@ -31,66 +32,6 @@ namespace penumbra::apps {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-void parse_segmentation(const std::string& text, slam::SemanticsSettings& semantics) {
-  using Mode = slam::SegmentationMode;
-  constexpr std::string_view kEvery = "every-";
-  if (text == "keyframes" || text == "all" || text == "off") {
-    semantics.mode = text == "keyframes" ? Mode::keyframes : text == "all" ? Mode::all : Mode::off;
-    return;
-  }
-  const std::string number = text.rfind(kEvery, 0) == 0 ? text.substr(kEvery.size()) : "";
-  const bool is_number =
-      !number.empty() && number.size() <= 6 && number.find_first_not_of("0123456789") == number.npos;
-  if (!is_number || std::stoi(number) == 0) {
-    throw UsageError(fmt::format(
-        "--segmentation: expected 'keyframes', 'every-N' such as 'every-5', 'all' or 'off', found '{}'",
-        text));
-  }
-  semantics.mode = Mode::interval;
-  semantics.interval = std::stoi(number);
-}
-
-// Whether an option counts: defaults of the command line do not undo what the file of settings says.
-bool has_a_say(const SlamOptions& options, const char* name) {
-  return options.settings.empty() || options.given.contains(name);
-}
-
-// --dynamics and what belongs to it. With boxes the class of a thing decides whether it moves, as in the
-// paper, unless --moving says otherwise.
-void set_masks(const SlamOptions& options, slam::SemanticsSettings& semantics) {
-  slam::DepthMaskSettings& masks = semantics.depth_masks;
-  const auto says = [&](const char* name) { return has_a_say(options, name); };
-  if (says("--dynamics")) masks.masks = slam::value_of(options.dynamics, masks.masks);
-  if (says("--repair")) masks.repair.mode = slam::value_of(options.repair, masks.repair.mode);
-  if (says("--clusters")) masks.object.mode = slam::value_of(options.clusters, masks.object.mode);
-  constexpr int kPaperClusters = 3;  // the paper does not say; 2 always ties
-  if (says("--clusters") && masks.object.mode == slam::ClusterMode::paper)
-    masks.object.clusters = kPaperClusters;
-  if (says("--consistency")) masks.consistency.enabled = options.consistency == "on";
-}
-
-// Throws UsageError where --dynamics lacks what it needs.
-void check_masks(const SlamOptions& options, const slam::StereoDataset& dataset,
-                 const slam::SemanticsSettings& semantics) {
-  const slam::InstanceMasks masks = semantics.depth_masks.masks;
-  if (masks == slam::InstanceMasks::detector || semantics.mode == slam::SegmentationMode::off) return;
-  if (options.weights.empty() && options.masks.empty()) {
-    throw UsageError(fmt::format("--dynamics {}: needs --weights, for the boxes of objects (or --masks)",
-                                 slam::word_of(masks)));
-  }
-  if (masks == slam::InstanceMasks::depth_clusters && dataset.sensor() != slam::Sensor::rgbd) {
-    throw UsageError(fmt::format(
-        "--dynamics depth-clusters: needs an RGB-D recording, and {} is a stereo recording, without depth",
-        dataset.name()));
-  }
-}
-
-// As --segmentation takes it.
-std::string segmentation_text(const slam::SemanticsSettings& semantics) {
-  if (semantics.mode == slam::SegmentationMode::interval) return fmt::format("every-{}", semantics.interval);
-  return slam::word_of(semantics.mode);
-}
 
 // Empty where no segmentation by a network is asked for.
 std::optional<LoadedNetwork> find_network(const SlamOptions& options,
@@ -273,13 +214,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   if (says("--constellation")) settings.loops.verifier.constellation.enabled = options.constellation == "on";
   if (options.self_calibration == "off") settings.full_bundle.disparity_offset_sigma = 0.0;
   if (says("--least-sharpness")) settings.tracker.least_sharpness = options.least_sharpness;
-  if (says("--segmentation")) parse_segmentation(options.segmentation, settings.semantics);
-  set_masks(options, settings.semantics);
-  if (says("--moving")) {
-    const bool by_boxes = settings.semantics.depth_masks.masks != slam::InstanceMasks::detector;
-    const bool by_class = options.moving == "class" || (by_boxes && !options.given.contains("--moving"));
-    settings.semantics.instances.check_motion = !by_class;
-  }
+  set_semantics(options, settings.semantics);
   if (says("--movers")) {
     settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
         options.movers == "on";
@@ -309,7 +244,7 @@ void run_slam(const SlamOptions& options) {
   run.warnings = dataset->notes();
   const std::optional<LoadedNetwork> loaded = find_network(options, settings.semantics);
   slam::Segmenter segmenter;
-  check_masks(options, *dataset, settings.semantics);
+  check_semantics(options, *dataset, settings.semantics);
   if (loaded) segmenter = make_segmenter(*loaded, dataset->camera(), settings.semantics);
   if (!options.masks.empty() && settings.semantics.mode != slam::SegmentationMode::off)
     segmenter = make_segmenter(options.masks, dataset->camera(), settings.semantics);

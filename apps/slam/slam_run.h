@@ -25,6 +25,7 @@ struct SlamOptions {
               self_calibration = "on";
   std::string segmentation = "keyframes", dynamics = "masks", moving = "geometry", movers = "on";
   std::string repair = "modes", clusters = "grown", consistency = "on";  // of --dynamics depth-clusters
+  std::string foreground = "adaptive", static_points = "off";            // of --dynamics static-points
   std::string view;                                                      // port, or kAnyViewPort; empty: none
   std::optional<double> frame_rate;
   double least_sharpness = 0.0;

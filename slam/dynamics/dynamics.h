@@ -1,12 +1,13 @@
 // One interface for all that finds out what moves in the scene, whatever it goes by: masks, geometry, depth.
 //
 //   before the pose    which features are to be left out, by what is known so far
+//   between the poses  which of those turn out to stand still, by a first pose without them
 //   after the pose     what the frame, now that it is located, shows to move
 //   edits to the map   what turns out later to be wrong in its keyframes
 //
 // The tracker of instances (instance_tracker.h) implements it for masks, Movers (movers.h) for what geometry
-// alone tells. The pipeline calls them in a row, in one thread, frame by frame; each adds its marks to those
-// of the ones before it.
+// alone tells, StaticPoints (static_points.h) for single points of what is left out. The pipeline calls them
+// in a row, in one thread, frame by frame; each adds its marks to those of the ones before it.
 #pragma once
 
 #include <memory>
@@ -26,6 +27,12 @@ struct FrameBeforePose {
   double time = 0.0;                              // seconds
   std::shared_ptr<const FrameFeatures> features;  // as they were measured
   SE3 T_step;                                     // motion that is predicted since the last frame
+};
+
+// The same frame, located by what is not left out.
+struct FrameBetweenPoses {
+  SE3 T_step;                             // motion since the last frame
+  const FeaturePixels* pixels = nullptr;  // where its features are
 };
 
 // The same frame, located, or given up.
@@ -52,7 +59,12 @@ class Dynamics {
 
   // Begins a frame; marks in `movable`, per feature, what is to be left out.
   virtual void before_pose(const FrameBeforePose& frame, std::vector<char>& movable) = 0;
-  // The frame of the last before_pose(). `movable` has the marks of its pose, and gets more. Returns things
+  // The frame of the last before_pose(). Clears the marks in `movable` of features that stand still: true
+  // where there are any, and a second pose is worth while.
+  virtual bool between_poses(const FrameBetweenPoses& /*frame*/, std::vector<char>& /*movable*/) {
+    return false;
+  }
+  // The same frame. `movable` has the marks of its pose, and gets more. Returns things
   // that were found to move, for others to follow.
   virtual std::vector<Instance> after_pose(const FrameAfterPose& frame, std::vector<char>& movable) = 0;
   // What is to be told to the map since the last call.

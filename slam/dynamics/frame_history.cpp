@@ -28,6 +28,8 @@ void FrameHistory::locate(const SE3& T_step, bool reliable, std::shared_ptr<cons
                           const std::vector<char>& movable) {
   FrameRecord& now = newest();
   now.pixels = std::move(pixels);
+  now.standing.assign(movable.size(), 0);
+  for (std::size_t i = 0; i < movable.size(); ++i) now.standing[i] = now.movable[i] != 0 && movable[i] == 0;
   now.movable = movable;
   now.reliable = reliable;
   now.observed = true;

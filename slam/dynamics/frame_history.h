@@ -21,6 +21,7 @@ struct FrameRecord {
   std::shared_ptr<const FrameFeatures> features;
   std::shared_ptr<const FeaturePixels> pixels;  // once it was located; may be null
   std::vector<char> movable;                    // per feature
+  std::vector<char> standing;                   // per feature: 1 where it was marked, and given back
   SE3 T_co;                                     // camera from odometry
   bool observed = false;                        // T_co is final, not predicted
   bool reliable = true;                         // T_co says how the camera moved
@@ -28,6 +29,9 @@ struct FrameRecord {
   std::vector<SeenObject> told;  // what the map knows of the keyframe's objects
 
   FeatureView view() const { return {*features, pixels, movable}; }
+  bool stands(int feature) const {
+    return !standing.empty() && standing[static_cast<std::size_t>(feature)] != 0;
+  }
 };
 
 class FrameHistory {

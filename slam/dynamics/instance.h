@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,11 +24,14 @@ struct Instance {
   }
 };
 
+struct FrameFeatures;  // slam/frontend/features/frame_features.h
+
 // What a segmenter sees of a frame. Copies share the pixels, which nobody changes.
 struct ImageToSegment {
   int frame = 0;     // its number in the sequence
   ByteImage image;   // 8-bit grey or BGR
   FloatImage depth;  // of the image's size: metres along z, 0 where unknown; empty for cameras without depth
+  std::shared_ptr<const FrameFeatures> features = {};  // that were found in it, where they are known
 };
 
 // Finds the instances of an image.

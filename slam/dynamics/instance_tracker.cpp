@@ -111,13 +111,17 @@ void InstanceTracker::mark(const Track& track, FrameRecord& at, const InstanceVi
   const bool proven = track.instance.measured;
   if (at.keyframe != nullptr) {
     // The map's: not ours to change, nor on suspicion.
-    if (proven) moving_features_.push_back({at.keyframe, view.features});
+    if (!proven) return;
+    moving_features_.push_back({at.keyframe, view.features});
+    std::erase_if(moving_features_.back().features, [&](int i) { return at.stands(i); });
     return;
   }
   // Where the way is lost nobody begins anew on something large that may drive away.
   const bool is_large = view.area() >= settings_.large_share * camera_.width * camera_.height;
   if (!proven && !(is_large && !trusted_) && !can_spare(at.view(), view.features)) return;
-  for (const int i : view.features) at.movable[static_cast<std::size_t>(i)] = 1;
+  for (const int i : view.features) {
+    if (!at.stands(i)) at.movable[static_cast<std::size_t>(i)] = 1;
+  }
 }
 
 // Objects that are out of sight for so long that no result can be about them any more.

@@ -3,47 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
 #include "nn/base/error.h"
+#include "slam/pipeline/field_list.h"
 
 namespace penumbra::slam {
 
 namespace {
-
-constexpr double kMany = 1e6;  // more than any sensible number of things
-
-// Adds fields under a name that grows with the groups they are in.
-class FieldList {
- public:
-  FieldList(std::string prefix, std::vector<SettingField>& fields)
-      : prefix_(std::move(prefix)), fields_(fields) {}
-
-  FieldList group(const char* name) const { return {fmt::format("{}{}.", prefix_, name), fields_}; }
-  void flag(const char* name, bool& value) { fields_.push_back({prefix_ + name, "", &value}); }
-  template <class Word>
-  void word(const char* name, Word& value) {
-    fields_.push_back({prefix_ + name, "", &value});
-  }
-  template <class Number>
-  void number(const char* name, Number& value, const char* unit, double least, double most) {
-    fields_.push_back({prefix_ + name, unit, &value, least, most});
-  }
-  void count(const char* name, int& value, const char* unit, double least = 0.0) {
-    number(name, value, unit, least, kMany);
-  }
-  void share(const char* name, double& value) { number(name, value, "share", 0.0, 1.0); }
-  void metres(const char* name, double& value) { number(name, value, "metres", 0.0, 1e4); }
-  template <class Number>
-  void pixels(const char* name, Number& value) {
-    number(name, value, "pixels", 0.0, 1e4);
-  }
-
- private:
-  std::string prefix_;
-  std::vector<SettingField>& fields_;
-};
 
 void add(FieldList f, OrbSettings& s) {
   f.number("features", s.features, "per image; 0: by its size", 0.0, 20000.0);
@@ -180,45 +147,6 @@ void add(FieldList f, LoopCloserSettings& s) {
   f.count("pause", s.pause, "keyframes");
 }
 
-void add(FieldList f, InstanceTrackerSettings& s) {
-  FieldList view = f.group("view");
-  view.pixels("margin", s.view.margin);
-  view.pixels("search_radius", s.view.search_radius);
-  view.number("max_distance", s.view.max_distance, "bits", 0.0, 256.0);
-  view.count("fewest_stereo", s.view.fewest_stereo, "points");
-  FieldList motion = f.group("motion");
-  motion.pixels("pixel_sigma", s.motion.pixel_sigma);
-  motion.pixels("disparity_sigma", s.motion.disparity_sigma);
-  motion.metres("camera_sigma", s.motion.camera_sigma);
-  motion.number("still_sigma", s.motion.still_sigma, "metres a second", 0.0, 1e3);
-  motion.number("moving_sigma", s.motion.moving_sigma, "metres a second", 0.0, 1e3);
-  motion.count("fewest_points", s.motion.fewest_points, "points");
-  FieldList companions = f.group("companions");
-  companions.flag("enabled", s.companions.enabled);
-  companions.number("seconds", s.companions.seconds, "seconds", 0.0, 60.0);
-  companions.number("longest", s.companions.longest, "seconds", 0.0, 60.0);
-  companions.number("least_speed", s.companions.least_speed, "metres a second", 0.0, 1e3);
-  companions.count("fewest_features", s.companions.fewest_features, "features");
-  companions.share("least_share", s.companions.least_share);
-  companions.pixels("search_radius", s.companions.search_radius);
-  companions.pixels("search_disparity", s.companions.search_disparity);
-  companions.number("max_distance", s.companions.max_distance, "bits", 0.0, 256.0);
-  companions.number("margin", s.companions.margin, "bits", 0.0, 256.0);
-  f.share("least_score", s.least_score);
-  f.flag("check_motion", s.check_motion);
-  f.count("history", s.history, "frames", 1.0);
-  f.count("frames_back", s.frames_back, "frames");
-  f.number("longest_look", s.longest_look, "seconds", 0.0, 60.0);
-  f.share("least_overlap", s.least_overlap);
-  f.share("least_containment", s.least_containment);
-  f.metres("nearest_metres", s.nearest_metres);
-  f.count("most_carried", s.most_carried, "frames");
-  f.count("most_missed", s.most_missed, "results");
-  f.number("standing_log_odds", s.standing_log_odds, "", -100.0, 100.0);
-  f.share("large_share", s.large_share);
-  f.count("fewest_others", s.fewest_others, "features");
-}
-
 void add(FieldList f, DenseSettings& s) {
   f.number("voxel", s.fusion.voxel, "metres", 0.001, 10.0);
   f.number("depth_noise", s.fusion.depth_noise, "sigma / z^2, 1/metres", 1e-6, 1.0);
@@ -236,29 +164,6 @@ void add(FieldList f, DenseSettings& s) {
   plan.count("fewest_voxels", s.plan.fewest_voxels, "voxels", 1.0);
 }
 
-void add(FieldList f, DepthMaskSettings& s) {
-  f.word("masks", s.masks);
-  FieldList repair = f.group("repair");
-  repair.word("mode", s.repair.mode);
-  repair.number("grey_difference", s.repair.grey_difference, "grey values", 1.0, 5.0);
-  repair.number("nearer_votes", s.repair.nearer_votes, "of a pixel", 0.0, 10.0);
-  repair.share("two_surfaces", s.repair.two_surfaces);
-  FieldList object = f.group("object");
-  object.word("mode", s.object.mode);
-  object.number("clusters", s.object.clusters, "clusters", 1.0, 16.0);
-  object.share("ring_share", s.object.ring_share);
-  object.number("extent_weight", s.object.extent_weight, "", 0.0, 10.0);
-  object.number("contour_weight", s.object.contour_weight, "", 0.0, 10.0);
-  object.number("past_weight", s.object.past_weight, "", 0.0, 10.0);
-  object.number("least_score", s.object.least_score, "", -10.0, 10.0);
-  FieldList consistency = f.group("consistency");
-  consistency.flag("enabled", s.consistency.enabled);
-  consistency.pixels("threshold", s.consistency.threshold);
-  consistency.count("fewest_moving", s.consistency.fewest_moving, "points");
-  consistency.share("least_share", s.consistency.least_share);
-  consistency.count("longest_gap", s.consistency.longest_gap, "frames");
-}
-
 }  // namespace
 
 std::vector<SettingField> setting_fields(SlamSettings& s) {
@@ -269,12 +174,7 @@ std::vector<SettingField> setting_fields(SlamSettings& s) {
   add(all.group("mapper"), s.mapper);
   add(all.group("place_index"), s.index);
   add(all.group("loops"), s.loops);
-  FieldList semantics = all.group("semantics");
-  semantics.word("mode", s.semantics.mode);
-  semantics.count("interval", s.semantics.interval, "frames", 1.0);
-  semantics.number("threads", s.semantics.threads, "threads; 0: all of the others but one", 0.0, 256.0);
-  add(semantics.group("instances"), s.semantics.instances);
-  add(semantics.group("depth_masks"), s.semantics.depth_masks);
+  add_semantics(all.group("semantics"), s.semantics);
   FieldList full = all.group("full_bundle");
   full.count("robust_iterations", s.full_bundle.robust_iterations, "iterations");
   full.count("iterations", s.full_bundle.iterations, "iterations");

@@ -17,7 +17,7 @@ struct SettingField {
   std::string name;  // such as "tracker.search_radius"
   const char* unit;  // "pixels", "metres", "" for a plain number or a switch
   std::variant<bool*, int*, float*, double*, MismatchFilterMode*, SegmentationMode*, InstanceMasks*,
-               RepairMode*, ClusterMode*>
+               RepairMode*, ClusterMode*, ForegroundMode*, StaticPointMode*>
       value;
   double least = 0.0, most = 0.0;  // of numbers
 };
@@ -49,6 +49,7 @@ template <>
 inline constexpr auto kWords<InstanceMasks> =
     std::to_array<Word<InstanceMasks>>({{"masks", InstanceMasks::detector},
                                         {"depth-clusters", InstanceMasks::depth_clusters},
+                                        {"dbscan", InstanceMasks::dbscan},
                                         {"boxes", InstanceMasks::boxes}});
 template <>
 inline constexpr auto kWords<RepairMode> = std::to_array<Word<RepairMode>>({{"off", RepairMode::off},
@@ -59,6 +60,14 @@ inline constexpr auto kWords<RepairMode> = std::to_array<Word<RepairMode>>({{"of
 template <>
 inline constexpr auto kWords<ClusterMode> = std::to_array<Word<ClusterMode>>({{"paper", ClusterMode::paper},
                                                                               {"grown", ClusterMode::grown}});
+template <>
+inline constexpr auto kWords<ForegroundMode> = std::to_array<Word<ForegroundMode>>(
+    {{"paper", ForegroundMode::paper}, {"adaptive", ForegroundMode::adaptive}});
+template <>
+inline constexpr auto kWords<StaticPointMode> =
+    std::to_array<Word<StaticPointMode>>({{"off", StaticPointMode::off},
+                                          {"paper", StaticPointMode::paper},
+                                          {"adaptive", StaticPointMode::adaptive}});
 
 // The value of a word that kWords has.
 template <class Mode>

@@ -1,16 +1,13 @@
 #include "slam/pipeline/slam.h"
 
 #include <cmath>
-#include <future>
 #include <iterator>
 #include <shared_mutex>
 
 #include "nn/base/error.h"
 #include "nn/base/quantile.h"
 #include "nn/base/stopwatch.h"
-#include "nn/image/grey.h"
 #include "nn/image/resize.h"
-#include "slam/frontend/features/depth_measurement.h"
 
 namespace penumbra::slam {
 
@@ -25,37 +22,6 @@ const StereoCamera& checked(const StereoCamera& camera) {
                                  camera.cx, camera.cy, camera.baseline, camera.width, camera.height));
   }
   return camera;
-}
-
-void check_image(const ByteImage& image, const StereoCamera& camera, int index, const char* side) {
-  if (image.width() == camera.width && image.height() == camera.height &&
-      (image.channels() == 1 || image.channels() == 3)) {
-    return;
-  }
-  throw InputError(fmt::format("frame {}, {} image", index, side),
-                   fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
-                   fmt::format("{}x{} with {} channels", image.width(), image.height(), image.channels()));
-}
-
-void check_depth(const FloatImage& depth, const StereoCamera& camera, int index) {
-  if (depth.width() == camera.width && depth.height() == camera.height && depth.channels() == 1) return;
-  throw InputError(fmt::format("frame {}, depth", index),
-                   fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
-                   fmt::format("{}x{} with {} channels", depth.width(), depth.height(), depth.channels()));
-}
-
-// Colour of the image at each keypoint.
-std::vector<std::array<std::uint8_t, 3>> colours_at(const ByteImage& image,
-                                                    const std::vector<Keypoint>& keypoints) {
-  std::vector<std::array<std::uint8_t, 3>> colours;
-  colours.reserve(keypoints.size());
-  for (const Keypoint& k : keypoints) {
-    const int x = static_cast<int>(std::lround(k.u)), y = static_cast<int>(std::lround(k.v));
-    const std::uint8_t* c = &image.at(x, y);
-    const int step = image.channels() == 3 ? 1 : 0;
-    colours.push_back({c[0], c[step], c[2 * step]});
-  }
-  return colours;
 }
 
 // Metres, of the features that have a depth; 0 where none has.
@@ -81,21 +47,6 @@ std::vector<InstanceSighting> shrunk(std::vector<InstanceSighting> sightings) {
   return sightings;
 }
 
-// What follows from the sensor, the camera and other settings, for every caller.
-SlamSettings derived(SlamSettings settings, Sensor sensor, const StereoCamera& camera) {
-  const double close = close_depth(camera, settings.mapper.point_creation);
-  settings.tracker.keyframes.close_depth = settings.semantics.instances.close_depth = close;
-  settings.tracker.extends_map = !settings.localise;
-  // Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
-  const int threads = std::max(1, settings.deterministic ? settings.threads : settings.threads - 1);
-  settings.mapper.bundle.threads = settings.full_bundle.threads = threads;
-  // Beside the tracker, with as many threads as processors, those would wait for each other.
-  if (settings.semantics.threads == 0) settings.semantics.threads = std::max(1, settings.threads - 1);
-  // The right columns of an RGB-D camera follow from its depth: they have no offset of their own.
-  if (sensor == Sensor::rgbd) settings.full_bundle.disparity_offset_sigma = 0.0;
-  return settings;
-}
-
 // The loaded map, or an empty one.
 std::unique_ptr<Map> starting_map(const StereoCamera& camera, std::unique_ptr<Map> loaded,
                                   const SlamSettings& settings) {
@@ -116,10 +67,8 @@ std::unique_ptr<Map> starting_map(const StereoCamera& camera, std::unique_ptr<Ma
 Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settings, Segmenter segmenter,
            std::unique_ptr<Map> loaded)
     : camera_(checked(camera)),
-      sensor_(sensor),
-      settings_(derived(settings, sensor, camera_)),
-      left_orb_(settings.orb),
-      right_orb_(settings.orb),
+      settings_(with_derived(settings, sensor, camera_)),
+      measurer_(sensor, settings.orb, settings.threads),
       owned_map_(starting_map(camera_, std::move(loaded), settings)),
       map_(*owned_map_),
       first_own_keyframe_(map_.next_keyframe_id()),
@@ -130,24 +79,29 @@ Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settin
       instances_(camera_, map_.scales(), settings_.semantics.instances, map_.next_object_number()),
       movers_(camera_, map_.scales(), settings_.semantics.instances.companions,
               settings_.semantics.instances.motion),
+      static_points_(camera_, map_.scales(), settings_.semantics.static_points),
       worker_(map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
       segmentation_(settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
                     !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
                     settings_.semantics.threads) {
   camera_ = map_.camera();
   loop_closer_.adopt_map();
+  if (settings_.semantics.static_points.constraint.mode != StaticPointMode::off) {
+    second_look_ = [this](const SE3& T_cw, const FeaturePixels& pixels, std::vector<char>& movable) {
+      return find_what_stands(T_cw, pixels, movable);
+    };
+  }
 }
 
 FrameResult Slam::process(const StereoImages& images) {
-  check_image(images.left, camera_, images.index, "left");
-  if (sensor_ == Sensor::stereo) {
-    check_image(images.right, camera_, images.index, "right");
-  } else {
-    check_depth(images.depth, camera_, images.index);
-  }
+  measurer_.check(images, camera_);
   const Stopwatch watch;
-  const std::shared_ptr<const FrameFeatures> features = measure(images);
-  FrameResult result = process(images.timestamp, features, {images.index, images.left, images.depth});
+  // What covers the view takes its share of the features: the rest of the street needs its own.
+  constexpr double kMostFeatures = 2.5;
+  const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
+  const std::shared_ptr<const FrameFeatures> features = measurer_.measure(images, camera_, more, timer_);
+  FrameResult result =
+      process(images.timestamp, features, {images.index, images.left, images.depth, features});
   result.milliseconds = watch.milliseconds();
   timer_.add("frame", result.milliseconds);
   return result;
@@ -171,7 +125,7 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   Frame& frame = newest_;
   frame.movable.assign(static_cast<std::size_t>(features->size()), 0);
   const FrameBeforePose unlocated{index, timestamp, features, tracker_.predicted_step(timestamp)};
-  for (Dynamics* dynamics : dynamics_) dynamics->before_pose(unlocated, frame.movable);
+  instances_.before_pose(unlocated, frame.movable);
   if (settings_.semantics.mode == SegmentationMode::all && !image.image.empty()) {
     segmentation_.submit(image);
     take_instances();
@@ -179,8 +133,10 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   frame.index = index;
   frame.timestamp = timestamp;
   frame.features = features;
-  frame.pyramid = &left_orb_.pyramid();
+  frame.pyramid = &measurer_.pyramid();
   frame.movable = instances_.movable();
+  movers_.before_pose(unlocated, frame.movable);
+  static_points_.before_pose(unlocated, frame.movable);
   frame.covered_share = instances_.covered_share();
   frame.objects = instances_.objects();
   frame.T_cw = frame.T_c_reference = {};
@@ -198,12 +154,13 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   std::optional<MapWork> work;
   {
     const std::shared_lock lock(map_.mutex());
-    result.tracking = tracker_.track(frame);
+    result.tracking = tracker_.track(frame, second_look_);
     camera_ = map_.camera();  // of the next frame
     find_what_moves(frame, result.tracking);
     result.keyframe = result.tracking.wants_keyframe;
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
+  result.static_points = static_points_.count();
   if (is_segmented(result) && !image.image.empty()) segmentation_.submit(image);
   if (work) worker_.submit(std::move(*work));
 
@@ -214,47 +171,9 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   return result;
 }
 
-// Features of the left image, and where each would be seen from the right: by matching, or by its depth.
-std::shared_ptr<const FrameFeatures> Slam::measure(const StereoImages& images) {
-  auto measured = std::make_shared<FrameFeatures>();
-  const ByteImage left = to_grey(images.left);
-  // What covers the view takes its share of the features: the rest of the street needs its own.
-  constexpr double kMostFeatures = 2.5;
-  const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
-  StereoMatches stereo;
-  if (sensor_ == Sensor::stereo) {
-    const ByteImage right = to_grey(images.right);
-    Features right_features;
-    {
-      const auto scope = timer_.measure("orb");
-      const auto policy = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
-      std::future<void> right_done =
-          std::async(policy, [&] { right_orb_.extract(right, right_features, more); });
-      left_orb_.extract(left, measured->left, more);
-      right_done.get();
-    }
-    const auto scope = timer_.measure("stereo");
-    match_stereo(camera_, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
-    stereo_order_.check(images.index, camera_, measured->left, right_features, left_orb_.pyramid(),
-                        right_orb_.pyramid(), stereo);
-  } else {
-    {
-      const auto scope = timer_.measure("orb");
-      left_orb_.extract(left, measured->left, more);
-    }
-    const auto scope = timer_.measure("stereo");
-    measure_depth(camera_, measured->left, images.depth, stereo);
-  }
-  measured->u_right = std::move(stereo.u_right);
-  measured->depth = std::move(stereo.depth);
-  measured->colour = colours_at(images.left, measured->left.keypoints);
-  measured->grid = FeatureGrid(measured->left.keypoints, camera_.width, camera_.height);
-  return measured;
-}
-
 // What the frame, now that it was located, or given up, shows to move.
 void Slam::find_what_moves(Frame& frame, const TrackingReport& report) {
-  FrameAfterPose located{step_from_last(frame), false, frame.pixels, report.mover};
+  FrameAfterPose located{step_from_last(frame.T_cw), false, frame.pixels, report.mover};
   located.reliable = report.state == TrackingState::tracking && !report.recovered && !report.starts_submap;
   std::vector<Instance> found;
   for (Dynamics* dynamics : dynamics_) {
@@ -265,8 +184,17 @@ void Slam::find_what_moves(Frame& frame, const TrackingReport& report) {
 }
 
 // How the camera moved from the last frame to this one. Both may have been moved by the map since.
-SE3 Slam::step_from_last(const Frame& frame) const {
-  return last_place_.reference == nullptr ? SE3{} : frame.T_cw * last_place_.T_cw().inverse();
+SE3 Slam::step_from_last(const SE3& T_cw) const {
+  return last_place_.reference == nullptr ? SE3{} : T_cw * last_place_.T_cw().inverse();
+}
+
+// What was left out, and stands still by the frame's first pose, is given back.
+bool Slam::find_what_stands(const SE3& T_cw, const FeaturePixels& pixels, std::vector<char>& movable) {
+  const auto scope = timer_.measure("static_points");
+  const FrameBetweenPoses located{step_from_last(T_cw), &pixels};
+  bool any = false;
+  for (Dynamics* dynamics : dynamics_) any |= dynamics->between_poses(located, movable);
+  return any;
 }
 
 bool Slam::is_segmented(const FrameResult& frame) const {

@@ -27,48 +27,16 @@
 #include "slam/backend/map_worker.h"
 #include "slam/dynamics/instance_tracker.h"
 #include "slam/dynamics/movers.h"
-#include "slam/dynamics/rgbd/depth_masks.h"
 #include "slam/dynamics/segmentation_worker.h"
-#include "slam/frontend/features/orb_extractor.h"
-#include "slam/frontend/features/stereo_order.h"
+#include "slam/dynamics/static_points.h"
 #include "slam/frontend/locating/tracker.h"
 #include "slam/geometry/trajectory.h"
-#include "slam/pipeline/dense_settings.h"
+#include "slam/pipeline/feature_measurer.h"
 #include "slam/pipeline/frame_view.h"
+#include "slam/pipeline/slam_settings.h"
 #include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::slam {
-
-// Which frames are segmented. `keyframes` (and frames that cannot be located; every third where only the way
-// in a map is looked for) and `interval`: beside the tracker, which gets the instances when they are there.
-// `all`: every frame, before it is located; the tracker waits.
-enum class SegmentationMode { off, keyframes, interval, all };
-
-struct SemanticsSettings {
-  SegmentationMode mode = SegmentationMode::keyframes;
-  int interval = 1;  // frames, of SegmentationMode::interval
-  // Of the network beside the tracker; 0: all but one of `SlamSettings::threads`. With as many as there are
-  // processors its threads would wait for each other whenever the tracker holds one of them.
-  int threads = 0;
-  InstanceTrackerSettings instances;
-  // How the segmenter that Slam is given makes masks of boxes; for who makes it.
-  DepthMaskSettings depth_masks;
-};
-
-// Every setting of the pipeline; each group is documented where it is used.
-struct SlamSettings {
-  OrbSettings orb;
-  TrackerSettings tracker;
-  LocalMapperSettings mapper;
-  PlaceIndexSettings index;
-  LoopCloserSettings loops;
-  SemanticsSettings semantics;
-  FullBundleSettings full_bundle;
-  DenseSettings dense;    // of who makes a dense map (dense_mapper.h)
-  bool localise = false;  // only find the way in a map that was loaded, which stays as it is
-  int threads = 2;        // 1: the right image's features wait for the left's
-  bool deterministic = true;
-};
 
 // Where a frame is relative to a keyframe. When the map is corrected, keyframes move and frames along.
 struct FramePlace {
@@ -99,7 +67,8 @@ struct FrameResult {
   FramePlace place;  // with which it is moved
   bool keyframe = false;
   int features = 0, stereo_features = 0;
-  int movable_features = 0;    // on what is known or taken to move
+  int movable_features = 0;  // on what is known or taken to move
+  StaticPointCount static_points;
   double covered_share = 0.0;  // of the image, by what moves
   double median_depth = 0.0;   // metres, of the features that have one; 0: none has
   double milliseconds = 0.0;   // that it took; 0 where its features were given
@@ -153,19 +122,17 @@ class Slam {
   // `image`: with the frame's number, and without pixels where there are none.
   FrameResult process(double timestamp, const std::shared_ptr<const FrameFeatures>& features,
                       const ImageToSegment& image);
-  std::shared_ptr<const FrameFeatures> measure(const StereoImages& images);
-  SE3 step_from_last(const Frame& frame) const;
+  SE3 step_from_last(const SE3& T_cw) const;
+  bool find_what_stands(const SE3& T_cw, const FeaturePixels& pixels, std::vector<char>& movable);
   void take_instances();
   void find_what_moves(Frame& frame, const TrackingReport& report);
   bool is_segmented(const FrameResult& frame) const;
   MapWork make_keyframe(Frame& frame, bool starts_submap);
 
   StereoCamera camera_;  // as the map had it at the last frame
-  const Sensor sensor_;
   const SlamSettings settings_;
   StageTimer timer_;
-  OrbExtractor left_orb_, right_orb_;
-  StereoOrder stereo_order_;
+  FeatureMeasurer measurer_;
   const std::unique_ptr<Map> owned_map_;
   Map& map_;
   const int first_own_keyframe_;  // id
@@ -178,8 +145,10 @@ class Slam {
   Frame newest_;
   InstanceTracker instances_;
   Movers movers_;
-  const std::array<Dynamics*, 2> dynamics_ = {&instances_, &movers_};  // in the order of their turns
-  Findings findings_;                                                  // since the last frame
+  StaticPoints static_points_;
+  const std::array<Dynamics*, 3> dynamics_ = {&instances_, &movers_, &static_points_};  // in their order
+  SecondLook second_look_;  // empty where nothing is given back
+  Findings findings_;       // since the last frame
   // The last: their threads use the others.
   MapWorker worker_;
   SegmentationWorker segmentation_;

@@ -21,7 +21,7 @@ double peak_loop(long iterations) {
   Vector a(0.999F), b(1e-3F);
   for (long i = 0; i < iterations; ++i) {
     // The compiler may not know a and b, else it would fold the loop away.
-    asm volatile("" : "+x"(a), "+x"(b));
+    asm volatile("" : "+x"(a.data), "+x"(b.data));
 #pragma GCC unroll 12
     for (auto& s : sum) s = madd(s, a, b);
   }

@@ -1,12 +1,10 @@
 #include "slam/dynamics/rgbd/depth_masks.h"
 
-#include <fmt/core.h>
-
 #include <memory>
 #include <utility>
 
-#include "nn/base/error.h"
 #include "nn/image/grey.h"
+#include "slam/dynamics/rgbd/box_instances.h"
 
 namespace penumbra::slam {
 
@@ -18,18 +16,6 @@ constexpr int kLongestMemory = 15;   // frames
 double box_iou(const Rect& a, const Rect& b) {
   const int shared = intersection(a, b).area();
   return shared / static_cast<double>(std::max(1, a.area() + b.area() - shared));
-}
-
-Rect border_of(const ByteImage& image) { return {0, 0, image.width(), image.height()}; }
-
-void leave_out_those_outside(const Rect& image, std::vector<Instance>& instances) {
-  std::erase_if(instances,
-                [&](const Instance& instance) { return intersection(instance.region, image).empty(); });
-}
-
-// All of its region.
-void make_its_box_its_mask(Instance& instance) {
-  instance.mask = ByteImage::filled(instance.region.width, instance.region.height, 255);
 }
 
 // Where an object was.
@@ -52,30 +38,19 @@ class DepthMasks {
         consistency_(settings.consistency) {}
 
   std::vector<Instance> operator()(const ImageToSegment& from) {
-    const Size size = from.image.size();
-    if (!from.depth.empty() && (from.depth.size() != size || from.depth.channels() != 1)) {
-      throw InputError(fmt::format("frame {}, depth", from.frame),
-                       fmt::format("{}x{} as the image, metres", size.width, size.height),
-                       fmt::format("{}x{} with {} channels", from.depth.width(), from.depth.height(),
-                                   from.depth.channels()));
-    }
+    check_depth_size(from);
     std::vector<Instance> instances = boxes_(from);
-    std::erase_if(instances, [&](const Instance& instance) {
-      return static_cast<double>(instance.score) < least_score_;
-    });
-    const Rect border = border_of(from.image);
-    leave_out_those_outside(border, instances);
+    keep_inside(from.image.size(), least_score_, instances);
     const ByteImage grey = to_grey(from.image);
     if (!from.depth.empty()) {
-      depth_.create(size.width, size.height);
+      depth_.create(from.depth.width(), from.depth.height());
       std::copy_n(from.depth.data(), from.depth.elements(), depth_.data());
       for (const Instance& instance : instances) repair_.apply(grey, instance.region, depth_);
     }
     now_.clear();
     for (Instance& instance : instances) {
-      instance.region = intersection(instance.region, border);
       if (from.depth.empty()) {
-        make_its_box_its_mask(instance);
+        take_whole_box(instance);
         continue;
       }
       object_.find(from.image, depth_, instance.region, past_depth(instance, from.frame), found_);
@@ -131,12 +106,8 @@ Segmenter masks_from_depth(Segmenter boxes, const StereoCamera& camera, double l
 Segmenter masks_of_boxes(Segmenter boxes) {
   return [boxes = std::move(boxes)](const ImageToSegment& from) {
     std::vector<Instance> instances = boxes(from);
-    const Rect border = border_of(from.image);
-    leave_out_those_outside(border, instances);
-    for (Instance& instance : instances) {
-      instance.region = intersection(instance.region, border);
-      make_its_box_its_mask(instance);
-    }
+    keep_inside(from.image.size(), 0.0, instances);
+    for (Instance& instance : instances) take_whole_box(instance);
     return instances;
   };
 }

@@ -15,20 +15,23 @@
 
 #include "slam/dynamics/instance.h"
 #include "slam/dynamics/rgbd/depth_repair.h"
+#include "slam/dynamics/rgbd/foreground_depths.h"
 #include "slam/dynamics/rgbd/moving_consistency.h"
 #include "slam/dynamics/rgbd/object_in_box.h"
 #include "slam/geometry/stereo_camera.h"
 
 namespace penumbra::slam {
 
-// What is taken for an object: the detector's mask, what the depths in its box say, or the whole box.
-enum class InstanceMasks { detector, depth_clusters, boxes };
+// What is taken for an object: the detector's mask, what the depths in its box say, of all pixels or of the
+// feature points (dbscan_masks.h), or the whole box.
+enum class InstanceMasks { detector, depth_clusters, dbscan, boxes };
 
 struct DepthMaskSettings {
   InstanceMasks masks = InstanceMasks::detector;
   DepthRepairSettings repair;
   ObjectInBoxSettings object;
   ConsistencySettings consistency;
+  ForegroundSettings foreground;
 };
 
 // `boxes` finds instances, whose regions are their boxes and may reach beyond the image. Those below

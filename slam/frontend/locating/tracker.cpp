@@ -6,10 +6,11 @@
 #include "slam/frontend/locating/by_motion.h"
 #include "slam/frontend/locating/by_place.h"
 #include "slam/frontend/locating/by_turning.h"
+#include "slam/frontend/locating/local_map_search.h"
 
 namespace penumbra::slam {
 
-TrackingReport Tracker::track(Frame& frame) {
+TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
   TrackingReport report;
   frame.points.assign(static_cast<std::size_t>(frame.features->size()), nullptr);
   frame.aligned.assign(frame.points.size(), 0);
@@ -26,12 +27,13 @@ TrackingReport Tracker::track(Frame& frame) {
   if (best_.success && follows_occluder(in)) best_.success = false;
   const bool located = best_.success;
   if (located) {
+    pairs_ = best_.report.frame_inliers;
+    map_inliers_ = best_.off_map ? 0 : best_.inliers;
+    if (second_look && !best_.off_map) look_again(in, second_look);
     static_cast<PairsReport&>(report) = std::move(best_.report);
     report.map_inliers = best_.inliers;
     report.off_map = best_.off_map;
     report.recovered = state_ == TrackingState::lost || state_ == TrackingState::occluded;
-    pairs_ = report.frame_inliers;
-    map_inliers_ = best_.off_map ? 0 : best_.inliers;
     if (settings_.extends_map && !best_.off_map) count_sightings();
     take(frame);
   } else {
@@ -79,6 +81,14 @@ void Tracker::locate(const LocatingInput& in) {
   if (best_.success && !best_.off_map && clear) return;
   locate_by_place(in, other_);
   if (other_.success && (best_.off_map || other_.inliers > best_.inliers)) std::swap(best_, other_);
+}
+
+// The second pose, from the first, with what stands still after all. The first stays where it fails.
+void Tracker::look_again(const LocatingInput& in, const SecondLook& second_look) {
+  other_ = best_;
+  if (!second_look(best_.T_cw, best_.pixels, best_.movable)) return;
+  search_local_map(in, in.prior, best_);
+  if (!best_.success) std::swap(best_, other_);
 }
 
 // Around the predicted pose. Where that is not clear, a wrong pose may have found itself a few pairs, as on a

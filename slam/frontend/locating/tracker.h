@@ -15,6 +15,9 @@
 // one from descriptors alone and one from the place index are tried as well, and what most map points agree
 // with is taken. Only such frames pay for it, with up to three searches of the local map.
 //
+// A located frame may get a second look: who knows from the first pose that some of what was left out stands
+// still gives it back, and the local map is searched again, from there.
+//
 // A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it in the
 // whole map. If that fails for several frames in a row although they show enough, a new sub-map begins at the
 // predicted pose: what was computed before stays, and the loop closer merges the two when it recognises a
@@ -24,6 +27,7 @@
 // slam/frontend/features/mismatch_filter.h.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "nn/base/stage_timer.h"
@@ -53,6 +57,11 @@ struct TrackingReport : PairsReport {
   bool starts_submap = false;  // its keyframe is the first of a new sub-map
 };
 
+// Told where a frame is by a first pose, and where its features are, clears the marks (`movable`) of features
+// that stand still; false where there are none.
+using SecondLook =
+    std::function<bool(const SE3& T_cw, const FeaturePixels& pixels, std::vector<char>& movable)>;
+
 class Tracker {
  public:
   Tracker(Map& map, const PlaceIndex& index, const TrackerSettings& settings, StageTimer& timer)
@@ -65,7 +74,7 @@ class Tracker {
         sharpness_(settings.least_sharpness) {}
 
   // Locates `frame` (what was measured is given): fills what the tracker adds (frame.h).
-  TrackingReport track(Frame& frame);
+  TrackingReport track(Frame& frame, const SecondLook& second_look = {});
 
   // Motion that is expected between the frame before and one at `time`.
   SE3 predicted_step(double time) const { return predicted(time) * previous_T_cw_.inverse(); }
@@ -84,6 +93,7 @@ class Tracker {
   LocatingInput input(const Frame& frame) const;
   std::optional<PosePrior> expectation(const Frame& frame, const SE3& predicted) const;
   void locate(const LocatingInput& in);
+  void look_again(const LocatingInput& in, const SecondLook& second_look);
   bool locate_from_last_frame(const LocatingInput& in);
   bool is_clear(const LocatingInput& in) const;
   bool follows_occluder(const LocatingInput& in) const;

@@ -1,0 +1,99 @@
+#include "apps/slam/semantics_options.h"
+
+#include <fmt/core.h>
+
+#include "nn/base/error.h"
+#include "slam/pipeline/setting_fields.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+void parse_segmentation(const std::string& text, slam::SemanticsSettings& semantics) {
+  using Mode = slam::SegmentationMode;
+  constexpr std::string_view kEvery = "every-";
+  if (text == "keyframes" || text == "all" || text == "off") {
+    semantics.mode = text == "keyframes" ? Mode::keyframes : text == "all" ? Mode::all : Mode::off;
+    return;
+  }
+  const std::string number = text.rfind(kEvery, 0) == 0 ? text.substr(kEvery.size()) : "";
+  const bool is_number =
+      !number.empty() && number.size() <= 6 && number.find_first_not_of("0123456789") == number.npos;
+  if (!is_number || std::stoi(number) == 0) {
+    throw UsageError(fmt::format(
+        "--segmentation: expected 'keyframes', 'every-N' such as 'every-5', 'all' or 'off', found '{}'",
+        text));
+  }
+  semantics.mode = Mode::interval;
+  semantics.interval = std::stoi(number);
+}
+
+// --dynamics and what belongs to it.
+void set_masks(const SlamOptions& options, slam::SemanticsSettings& semantics) {
+  slam::DepthMaskSettings& masks = semantics.depth_masks;
+  const bool is_static_points = options.dynamics == "static-points";
+  const auto says = [&](const char* name) { return has_a_say(options, name); };
+  if (says("--dynamics"))
+    masks.masks =
+        is_static_points ? slam::InstanceMasks::dbscan : slam::value_of(options.dynamics, masks.masks);
+  if (says("--foreground")) masks.foreground.mode = slam::value_of(options.foreground, masks.foreground.mode);
+  if (says("--repair")) masks.repair.mode = slam::value_of(options.repair, masks.repair.mode);
+  if (says("--clusters")) masks.object.mode = slam::value_of(options.clusters, masks.object.mode);
+  constexpr int kPaperClusters = 3;  // the paper does not say; 2 always ties
+  if (says("--clusters") && masks.object.mode == slam::ClusterMode::paper)
+    masks.object.clusters = kPaperClusters;
+  if (says("--consistency")) masks.consistency.enabled = options.consistency == "on";
+}
+
+// --static-points: what --dynamics static-points is for; off elsewhere, unless asked for.
+void set_static_points(const SlamOptions& options, slam::SemanticsSettings& semantics) {
+  slam::StaticPointMode& mode = semantics.static_points.constraint.mode;
+  if (options.given.contains("--static-points")) {
+    mode = slam::value_of(options.static_points, mode);
+  } else if (has_a_say(options, "--dynamics")) {
+    mode = options.dynamics == "static-points" ? slam::StaticPointMode::adaptive : slam::StaticPointMode::off;
+  }
+}
+
+}  // namespace
+
+bool has_a_say(const SlamOptions& options, const char* name) {
+  return options.settings.empty() || options.given.contains(name);
+}
+
+void set_semantics(const SlamOptions& options, slam::SemanticsSettings& semantics) {
+  const auto says = [&](const char* name) { return has_a_say(options, name); };
+  if (says("--segmentation")) parse_segmentation(options.segmentation, semantics);
+  set_masks(options, semantics);
+  set_static_points(options, semantics);
+  if (says("--moving")) {
+    const bool by_boxes = semantics.depth_masks.masks != slam::InstanceMasks::detector;
+    const bool by_points = semantics.static_points.constraint.mode != slam::StaticPointMode::off;
+    const bool by_class =
+        options.moving == "class" || ((by_boxes || by_points) && !options.given.contains("--moving"));
+    semantics.instances.check_motion = !by_class;
+  }
+}
+
+void check_semantics(const SlamOptions& options, const slam::StereoDataset& dataset,
+                     const slam::SemanticsSettings& semantics) {
+  const slam::InstanceMasks masks = semantics.depth_masks.masks;
+  if (masks == slam::InstanceMasks::detector || semantics.mode == slam::SegmentationMode::off) return;
+  if (options.weights.empty() && options.masks.empty()) {
+    throw UsageError(fmt::format("--dynamics {}: needs --weights, for the boxes of objects (or --masks)",
+                                 slam::word_of(masks)));
+  }
+  if (masks != slam::InstanceMasks::boxes && dataset.sensor() != slam::Sensor::rgbd) {
+    throw UsageError(fmt::format(
+        "--dynamics {}: needs an RGB-D recording, and {} is a stereo recording, without depth{}",
+        options.dynamics, dataset.name(),
+        masks == slam::InstanceMasks::dbscan ? " (--static-points alone works with any masks)" : ""));
+  }
+}
+
+std::string segmentation_text(const slam::SemanticsSettings& semantics) {
+  if (semantics.mode == slam::SegmentationMode::interval) return fmt::format("every-{}", semantics.interval);
+  return slam::word_of(semantics.mode);
+}
+
+}  // namespace penumbra::apps
