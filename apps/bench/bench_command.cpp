@@ -15,11 +15,14 @@ void add_bench_command(CLI::App& app) {
   add_image_benchmark(*bench);
   add_depth_masks_benchmark(*bench);
   add_slam_benchmark(*bench);
+  add_dynamics_benchmark(*bench);
   bench->footer(
       "Examples:\n"
       "  penumbra bench peak --threads 1\n"
       "  penumbra bench image\n"
       "  penumbra bench network --size 1242x375 --detections 100 --json\n"
+      "  penumbra bench dynamics --weights weights_tools/models/penumbra-office.safetensors --out "
+      "out/dynamics\n"
       "  penumbra bench slam DATA --streets out/streets --out out/bench\n"
       "Run `penumbra bench NAME --help` for a benchmark's options. Leave the machine alone meanwhile.");
 }

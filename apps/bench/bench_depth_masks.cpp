@@ -1,4 +1,5 @@
-// penumbra bench depth-masks: what --dynamics depth-clusters takes a frame, step by step.
+// penumbra bench depth-masks: what --dynamics depth-clusters and static-points take a frame to make masks of
+// boxes, step by step.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,9 +13,11 @@
 #include "apps/bench/benchmark.h"
 #include "nn/base/counter_random.h"
 #include "slam/dynamics/instance.h"
+#include "slam/dynamics/rgbd/dbscan_masks.h"
 #include "slam/dynamics/rgbd/depth_repair.h"
 #include "slam/dynamics/rgbd/moving_consistency.h"
 #include "slam/dynamics/rgbd/object_in_box.h"
+#include "slam/frontend/features/frame_features.h"
 
 namespace penumbra::apps {
 
@@ -47,6 +50,34 @@ Frame make_frame(double shift) {
     }
   }
   return frame;
+}
+
+std::vector<slam::Instance> people_in_boxes(const slam::ImageToSegment&) {
+  std::vector<slam::Instance> people;
+  for (const Rect& box : kBoxes) {
+    slam::Instance person;
+    person.class_name = "person";
+    person.score = 1.0F;
+    person.region = box;
+    person.mask = ByteImage::filled(box.width, box.height, 255);
+    people.push_back(person);
+  }
+  return people;
+}
+
+// Places and depths of as many features as a frame usually has; nothing else of them.
+std::shared_ptr<const slam::FrameFeatures> some_features(const Frame& frame) {
+  constexpr int kFeatures = 1500;
+  constexpr std::uint64_t kPlaces = 4;
+  auto features = std::make_shared<slam::FrameFeatures>();
+  for (std::uint64_t n = 0; n < kFeatures; ++n) {
+    const int x = static_cast<int>(kSceneWidth * counter_uniform(kPlaces, 2 * n));
+    const int y = static_cast<int>(kSceneHeight * counter_uniform(kPlaces, 2 * n + 1));
+    features->left.keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 0, 0.0F, 1.0F});
+    features->depth.push_back(frame.depth.at(x, y));
+  }
+  features->left.descriptors.resize(kFeatures);
+  return features;
 }
 
 struct Step {
@@ -83,15 +114,17 @@ std::vector<Step> steps(const Frame& frame, const Frame& next) {
                      for (const Rect& box : kBoxes) finder->find(frame.image, *repaired, box, {}, *mask);
                    }});
   }
-  const auto consistency = std::make_shared<slam::MovingConsistency>(slam::ConsistencySettings{});
-  std::vector<slam::Instance> people;
-  for (const Rect& box : kBoxes) {
-    slam::Instance person;
-    person.class_name = "person";
-    person.region = box;
-    person.mask = ByteImage::filled(box.width, box.height, 255);
-    people.push_back(person);
+  // Beside the detector, whose boxes are known here.
+  slam::ImageToSegment to_segment{0, frame.image, frame.depth, some_features(frame)};
+  for (const auto& [name, mode] : {std::pair("DBSCAN, paper", slam::ForegroundMode::paper),
+                                   std::pair("DBSCAN, adaptive", slam::ForegroundMode::adaptive)}) {
+    slam::ForegroundSettings settings;
+    settings.mode = mode;
+    const slam::Segmenter masks = slam::masks_by_dbscan(people_in_boxes, 0.5, settings);
+    all.push_back({name, [masks, to_segment] { masks(to_segment); }});
   }
+  const auto consistency = std::make_shared<slam::MovingConsistency>(slam::ConsistencySettings{});
+  const std::vector<slam::Instance> people = people_in_boxes({});
   const auto number = std::make_shared<int>(0);
   all.push_back({"moving consistency", [consistency, people, number, &frame, &next] {
                    consistency->check(*number, *number % 2 == 0 ? frame.image : next.image, people);
@@ -124,7 +157,8 @@ void add_depth_masks_benchmark(CLI::App& bench) {
   auto options = std::make_shared<BenchmarkOptions>();
   options->repeats = 41;
   CLI::App* command = bench.add_subcommand(
-      "depth-masks", "Masks from boxes and depth: repair, clusters, moving consistency, on one thread");
+      "depth-masks",
+      "Masks from boxes and depth: repair, clusters, DBSCAN, moving consistency, on one thread");
   add_benchmark_options(command, *options);
   command->footer(
       "Examples:\n"

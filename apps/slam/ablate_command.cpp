@@ -8,8 +8,8 @@
 #include "apps/common/image_size.h"
 #include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
-#include "apps/slam/ablation.h"
-#include "apps/slam/segmenter.h"
+#include "apps/slam/ablation_cells.h"
+#include "apps/slam/ablation_tables.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 
@@ -31,46 +31,10 @@ struct AblateOptions {
   bool json = false;
 };
 
-struct NamedWeights {
-  std::string name, file;
-};
-
-std::vector<NamedWeights> named_weights(const AblateOptions& options) {
-  std::vector<NamedWeights> weights;
-  for (const std::string& text : options.weights) {
-    const std::size_t equals = text.find('=');
-    if (equals == text.npos) {
-      weights.push_back({std::filesystem::path(text).stem().string(), text});
-    } else {
-      weights.push_back({text.substr(0, equals), text.substr(equals + 1)});
-    }
-  }
-  return weights;
-}
-
 Size drive_size(const std::string& text) {
   const std::optional<Size> size = parse_image_size(text);
   if (size && size->width >= 64 && size->height >= 48) return *size;
   throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT such as 620x188, found '{}'", text));
-}
-
-// The cell, with every network where it takes masks or boxes of one.
-void add_cells(AblationCell cell, const std::vector<NamedWeights>& weights,
-               std::vector<AblationCell>& cells) {
-  const bool by_network = cell.masks == MaskSource::classes || cell.masks == MaskSource::geometry;
-  const bool by_either = cell.masks != MaskSource::none && cell.masks != MaskSource::movers &&
-                         cell.masks != MaskSource::truth &&
-                         cell.masks != MaskSource::static_masks;  // a network's, or exact ones
-  if (by_network && weights.empty())
-    throw UsageError(fmt::format("--masks {}: needs --weights", name_of(cell.masks)));
-  if (!by_either || weights.empty()) {
-    cells.push_back(cell);
-    return;
-  }
-  for (const NamedWeights& network : weights) {
-    cell.weights = network.name;
-    cells.push_back(cell);
-  }
 }
 
 std::vector<AblationCell> list_cells(const AblateOptions& options, const std::vector<NamedWeights>& weights) {
@@ -99,51 +63,14 @@ std::vector<AblationCell> list_cells(const AblateOptions& options, const std::ve
   return cells;
 }
 
-// The file of the cell's network; empty: it has none.
-std::string weights_of(const AblationCell& cell, const std::vector<NamedWeights>& weights) {
-  for (const NamedWeights& network : weights) {
-    if (network.name == cell.weights) return network.file;
-  }
-  return {};
-}
-
-// The cell's result, from its file where it has one.
-nlohmann::json result_of(const AblationCell& cell, const AblateOptions& options,
-                         const std::vector<NamedWeights>& weights) {
-  const std::filesystem::path file = options.out / "cells" / (cell.name() + ".json");
-  if (std::filesystem::exists(file)) {
-    nlohmann::json known = nlohmann::json::parse(nn::read_file(file, "a cell"), nullptr, false);
-    if (known.is_object()) return known;
-  }
-  const std::filesystem::path drive = render_drive(cell, options.out / "drives");
-  nlohmann::json result = run_cell(cell, drive, weights_of(cell, weights));
-  result["preset"] = cell.preset;
-  result["seed"] = cell.seed;
-  result["frames"] = cell.frames;
-  result["masks"] = name_of(cell.masks);
-  result["weights"] = cell.weights;
-  result["filter"] = cell.filter;
-  result["office"] = cell.is_office();
-  result["all_frames"] = cell.all_frames;
-  result["run"] = cell.run;
-  nn::write_file(file, result.dump(2) + "\n");
-  return result;
-}
-
 void run_ablate(const AblateOptions& options) {
-  const std::vector<NamedWeights> weights = named_weights(options);
+  const std::vector<NamedWeights> weights = named_weights(options.weights);
   const std::vector<AblationCell> cells = list_cells(options, weights);
-  for (const char* folder : {"cells", "drives"}) {
-    std::error_code error;
-    std::filesystem::create_directories(options.out / folder, error);
-    if (error)
-      throw Error(fmt::format("{}: cannot be made: {}", (options.out / folder).string(), error.message()));
-  }
-
+  prepare_cells(options.out);
   nlohmann::json results = nlohmann::json::array();
   ProgressBar progress("Ablation", static_cast<int>(cells.size()), "cells");
   for (const AblationCell& cell : cells) {
-    results.push_back(result_of(cell, options, weights));
+    results.push_back(result_of(cell, options.out, weights));
     log_info("{}: ATE {:.3f} m", cell.name(), results.back()["ate_m"].get<double>());
     progress.update(static_cast<int>(results.size()));
   }

@@ -5,15 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <map>
 
+#include "apps/slam/point_truth.h"
 #include "apps/slam/segmenter.h"
+#include "apps/view/frame_picture.h"
 #include "nn/base/error.h"
 #include "nn/base/quantile.h"
+#include "nn/image/image_file.h"
 #include "slam/evaluation/alignment.h"
 #include "slam/evaluation/ape.h"
 #include "slam/evaluation/evaluation.h"
 #include "slam/evaluation/loop_evaluation.h"
+#include "slam/evaluation/trajectory_plot.h"
 #include "slam/pipeline/recorder.h"
 #include "slam/sources/open_dataset.h"
 #include "slam/sources/prefetcher.h"
@@ -148,6 +151,7 @@ std::filesystem::path render_drive(const AblationCell& cell, const std::filesyst
     settings.frames = cell.frames;
     settings.seed = static_cast<std::uint32_t>(cell.seed);
     settings.size = cell.size;
+    settings.flow = true;  // the truth about points
     slam::synthetic::OfficeSequence sequence(settings);
     slam::synthetic::write_tum_layout(sequence, drive, /*overwrite=*/true);
     std::ofstream(drive / kComplete) << "\n";
@@ -166,7 +170,7 @@ std::filesystem::path render_drive(const AblationCell& cell, const std::filesyst
 }
 
 nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& drive,
-                        const std::string& weights) {
+                        const std::string& weights, const std::filesystem::path& pictures) {
   const auto dataset = slam::open_dataset(drive.string(), {});
   const slam::SlamSettings settings = settings_of(cell);
   slam::Segmenter segmenter;
@@ -179,7 +183,18 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
   }
   slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter);
   slam::Recorder record(slam);
-  for (slam::Prefetcher frames(*dataset); frames.has_next();) record.add(slam.process(frames.next()));
+  const std::optional<PointTruth> points =
+      cell.is_office() ? PointTruth::open(drive, dataset->camera(), *dataset->ground_truth()) : std::nullopt;
+  JudgedPoints judged;
+  int most_movable = -1;
+  for (slam::Prefetcher frames(*dataset); frames.has_next();) {
+    const slam::StereoImages images = frames.next();
+    const slam::FrameResult& result = record.add(slam.process(images));
+    if (points) points->judge(images.index, slam.newest_view(), judged);
+    if (!cell.is_office() || result.movable_features <= most_movable) continue;
+    most_movable = result.movable_features;
+    nn::write_image(pictures / (cell.name() + ".png"), draw_frame(images.left, slam.newest_view()));
+  }
   record.finish();
 
   int occluded = 0;
@@ -210,92 +225,24 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
   add_statistics("ate", e.ape);
   add_statistics("rpe", e.rpe_frames);
   const auto& stages = slam.timer().stages();
-  if (const auto frame = stages.find("frame"); frame != stages.end())
-    json["median_ms"] = quantile_of(frame->second.values(), 0.5);
+  const auto add_stage = [&](const char* key, const char* stage) {
+    if (const auto at = stages.find(stage); at != stages.end())
+      json[key] = quantile_of(at->second.values(), 0.5);
+  };
+  add_stage("median_ms", "frame");
+  add_stage("static_points_ms", "static_points");
+  if (points) {
+    json["moving_recall"] = judged.moving_recall();
+    json["standing_kept"] = judged.standing_share();
+  }
+  if (cell.is_office()) {
+    slam::TrajectoryPlotOptions plot;
+    plot.title = cell.name();
+    plot.plane = slam::PlotPlane::xz;
+    slam::write_plot(pictures / (cell.name() + ".svg"),
+                     slam::draw_trajectories(e.aligned_estimate, truth, plot));
+  }
   return json;
-}
-
-nlohmann::json summarise_cells(const nlohmann::json& cells) {
-  std::map<std::string, std::size_t> row_of;
-  nlohmann::json rows = nlohmann::json::array();
-  std::vector<std::map<std::string, std::vector<double>>> values;
-  for (const nlohmann::json& cell : cells) {
-    const std::string key =
-        fmt::format("{} {} {} {} {}", cell.at("preset").get<std::string>(),
-                    cell.at("masks").get<std::string>(), cell.at("weights").get<std::string>(),
-                    cell.at("filter").get<std::string>(), cell.value("all_frames", false));
-    const auto [at, added] = row_of.emplace(key, rows.size());
-    if (added) {
-      rows.push_back({{"preset", cell["preset"]},
-                      {"masks", cell["masks"]},
-                      {"weights", cell["weights"]},
-                      {"filter", cell["filter"]},
-                      {"office", cell.value("office", false)},
-                      {"all_frames", cell.value("all_frames", false)}});
-      values.emplace_back();
-    }
-    for (const auto& [name, value] : cell.items()) {
-      if (value.is_number() && name != "seed" && name != "frames" && name != "run")
-        values[at->second][name].push_back(value.get<double>());
-    }
-  }
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    for (const auto& [name, list] : values[r]) {
-      double mean = 0.0, square = 0.0;
-      for (const double v : list) mean += v / static_cast<double>(list.size());
-      for (const double v : list) square += (v - mean) * (v - mean) / static_cast<double>(list.size());
-      rows[r][name] = {{"mean", mean}, {"std", std::sqrt(square)}};
-      rows[r]["seeds"] = list.size();
-    }
-  }
-  return rows;
-}
-
-std::string format_table(const nlohmann::json& rows) {
-  std::string table =
-      "| preset | masks | filter | seeds | ATE m | RPE m | angle deg | loops | precision % | recall % | lost "
-      "| occluded | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const nlohmann::json& row : rows) {
-    const auto mean = [&](const char* key) {
-      return row.contains(key) ? row[key]["mean"].get<double>() : std::nan("");
-    };
-    const auto spread = [&](const char* key) {
-      return row.contains(key) ? row[key]["std"].get<double>() : std::nan("");
-    };
-    const std::string weights = row["weights"].get<std::string>();
-    table += fmt::format(
-        "| {} | {}{} | {} | {} | {:.3f} ± {:.3f} | {:.4f} ± {:.4f} | {:.2f} ± {:.2f} | {:.1f} | {:.0f} | "
-        "{:.0f} | {:.1f} | {:.1f} | {:.0f} |\n",
-        row["preset"].get<std::string>(), row["masks"].get<std::string>(),
-        weights.empty() ? "" : " (" + weights + ")", row["filter"].get<std::string>(),
-        row["seeds"].get<int>(), mean("ate_m"), spread("ate_m"), mean("rpe_m"), spread("rpe_m"),
-        mean("angle_deg"), spread("angle_deg"), mean("loops"), 100.0 * mean("loop_precision"),
-        100.0 * mean("loop_recall"), mean("lost"), mean("occluded"), mean("median_ms"));
-  }
-  return table;
-}
-
-std::string format_office_table(const nlohmann::json& rows) {
-  std::string table;
-  for (const nlohmann::json& row : rows) {
-    if (!row["office"].get<bool>()) continue;
-    const auto figures = [&](const std::string& name) {
-      const auto mean = [&](const std::string& key) { return row[key]["mean"].get<double>(); };
-      return fmt::format("{:.4f} ± {:.4f} | {:.4f} | {:.4f} | {:.4f}", mean(name + "_m"),
-                         row[name + "_m"]["std"].get<double>(), mean(name + "_mean_m"),
-                         mean(name + "_median_m"), mean(name + "_sd_m"));
-    };
-    const std::string weights = row["weights"].get<std::string>();
-    table += fmt::format("| {} | {}{}{} | {} | {} | {} | {:.0f} |\n", row["preset"].get<std::string>(),
-                         row["masks"].get<std::string>(), weights.empty() ? "" : " (" + weights + ")",
-                         row["all_frames"].get<bool>() ? ", all frames" : "", row["seeds"].get<int>(),
-                         figures("ate"), figures("rpe"), row["median_ms"]["mean"].get<double>());
-  }
-  if (table.empty()) return table;
-  return "| preset | masks | runs | ATE rmse | mean | median | SD | RPE rmse | mean | median | SD | ms a "
-         "frame |\n"
-         "|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
-         table;
 }
 
 }  // namespace penumbra::apps

@@ -55,17 +55,10 @@ std::filesystem::path render_drive(const AblationCell& cell, const std::filesyst
 
 // Keys: ate_m, rpe_m (root mean squares; of the office's RPE over a second, else a frame), ate_mean_m,
 // ate_median_m, ate_sd_m and the same of rpe, angle_deg, loops, loop_precision, loop_recall (of the
-// keyframes, see slam/evaluation/loop_evaluation.h), tracked, lost, occluded, median_ms. `weights`: file of
-// the cell's network; empty: exact boxes and masks.
+// keyframes, see slam/evaluation/loop_evaluation.h), tracked, lost, occluded, median_ms; of the office
+// moving_recall, standing_kept (point_truth.h) and static_points_ms. `weights`: file of the cell's network;
+// empty: exact boxes and masks. `pictures`: folder for those of the office.
 nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& drive,
-                        const std::string& weights);
-
-// Rows of the table: cells that differ by nothing but their seed, mean and standard deviation of each figure.
-// `cells`: objects with the cell's keys and run_cell's.
-nlohmann::json summarise_cells(const nlohmann::json& cells);
-std::string format_table(const nlohmann::json& rows);
-// As the paper's tables 1 to 3: RMSE, mean, median and standard deviation of ATE and RPE, of the office's
-// rows; empty where there are none.
-std::string format_office_table(const nlohmann::json& rows);
+                        const std::string& weights, const std::filesystem::path& pictures);
 
 }  // namespace penumbra::apps

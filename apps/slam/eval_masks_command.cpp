@@ -17,8 +17,10 @@
 #include "nn/image/grey.h"
 #include "nn/image/image_file.h"
 #include "nn/image/shapes.h"
+#include "slam/dynamics/rgbd/dbscan_masks.h"
 #include "slam/dynamics/rgbd/depth_masks.h"
 #include "slam/evaluation/depth_mask_evaluation.h"
+#include "slam/pipeline/feature_measurer.h"
 #include "slam/pipeline/setting_fields.h"
 #include "slam/sources/open_dataset.h"
 
@@ -67,6 +69,7 @@ struct Mean {
 struct Results {
   std::map<std::string, std::array<Mean, 4>> iou;  // by method and group
   std::map<slam::RepairMode, slam::RepairCount> repairs;
+  std::map<slam::ForegroundMode, slam::ForegroundCount> foregrounds;
 };
 
 // Writes the steps of the last method for a person who is large enough to be looked at.
@@ -112,6 +115,22 @@ void judge(const slam::StereoImages& images, const FloatImage* clean, const slam
     slam::count_repair(truth, images.depth, repaired(mode, truth.region), *clean, results.repairs[mode]);
 }
 
+// What DBSCAN on the features' depths makes of the people's boxes, all of a frame at once: each ring leaves
+// out the others.
+void judge_foregrounds(const slam::StereoImages& images, const std::vector<slam::Instance>& people,
+                       const std::vector<slam::Instance>& boxes,
+                       const std::shared_ptr<const slam::FrameFeatures>& features, Results& results) {
+  for (const auto& [name, mode] : slam::kWords<slam::ForegroundMode>) {
+    slam::ForegroundSettings settings;
+    settings.mode = mode;
+    const std::vector<slam::Instance> found =
+        slam::masks_by_dbscan([&](const slam::ImageToSegment&) { return boxes; }, 0.0,
+                              settings)({images.index, images.left, images.depth, features});
+    for (std::size_t i = 0; i < people.size(); ++i)
+      slam::count_foreground(people[i], found[i], *features, results.foregrounds[mode]);
+  }
+}
+
 void print(const Results& results) {
   fmt::print("Mean IoU of masks (objects)\n\n| method |");
   for (const char* group : kGroups) fmt::print(" {} |", group);
@@ -126,6 +145,17 @@ void print(const Results& results) {
       }
     }
     fmt::print("\n");
+  }
+  if (!results.foregrounds.empty()) {
+    fmt::print(
+        "\nFeatures in people's boxes\n\n| DBSCAN | of the body, taken for the world's % | of the rest, lost "
+        "% "
+        "|\n|---|---|---|\n");
+    for (const auto& [name, mode] : slam::kWords<slam::ForegroundMode>) {
+      const slam::ForegroundCount& count = results.foregrounds.at(mode);
+      fmt::print("| {} | {:.1f} ({}) | {:.1f} ({}) |\n", name, 100.0 * count.left_share(), count.body,
+                 100.0 * count.lost_share(), count.background);
+    }
   }
   if (results.repairs.empty()) return;
   fmt::print(
@@ -156,6 +186,8 @@ void run_eval_masks(const EvalMasksOptions& options) {
   if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
   Results results;
   for (const Method& method : kMethods) results.iou[method.name] = {};
+  slam::FeatureMeasurer measurer(dataset->sensor(), slam::OrbSettings{}, 1);
+  StageTimer timer;
   ProgressBar progress("Masks", dataset->size());
   for (int i = 0; i < dataset->size(); ++i) {
     const slam::StereoImages images = dataset->load(i);
@@ -163,6 +195,7 @@ void run_eval_masks(const EvalMasksOptions& options) {
     if (clean_depths && clean_depths->has(images.index))
       clean = clean_depths->load(images.index, images.left.size());
     std::uint64_t number = 0;
+    std::vector<slam::Instance> people, boxes;
     for (const slam::Instance& truth : truths({images.index, images.left, images.depth})) {
       ++number;
       if (count_pixels(truth.mask) < kFewestPixels || truth.region.width < kShortestSide ||
@@ -173,6 +206,13 @@ void run_eval_masks(const EvalMasksOptions& options) {
                          static_cast<std::uint64_t>(images.index) * 1000 + number, images.left.size());
       if (!options.pictures.empty()) draw(images, truth, box, dataset->camera().fx, options.pictures);
       judge(images, clean.empty() ? nullptr : &clean, truth, box, dataset->camera().fx, results);
+      if (truth.class_name != "person") continue;
+      people.push_back(truth);
+      boxes.emplace_back().region = box;
+    }
+    if (!people.empty()) {
+      judge_foregrounds(images, people, boxes, measurer.measure(images, dataset->camera(), 1.0, timer),
+                        results);
     }
     progress.update(i + 1);
   }
@@ -189,7 +229,7 @@ void add_eval_masks_command(CLI::App& app) {
   penumbra eval-masks out/walking_xyz --box-error 0 --pictures out/steps
 
 Takes the boxes of exact masks, off by --box-error as a detector's are, and finds the objects in them by depth: in the letter of
-the paper and as --dynamics depth-clusters does. Prints the mean IoU with the exact masks, people by how they are seen, and, where
+the paper and as --dynamics depth-clusters does, and which features in them as --dynamics static-points does. Prints the mean IoU with the exact masks, people by how they are seen, and, where
 the recording has clean depth, what each way to repair it fills, and how well. docs/dynamics/depth-clusters.md has the table.)");
   command->add_option("folder", options->folder, "RGB-D recording, as `penumbra synth` writes it")
       ->required();

@@ -79,4 +79,21 @@ void count_repair(const Instance& truth, const FloatImage& raw, const FloatImage
   }
 }
 
+void count_foreground(const Instance& truth, const Instance& found, const FrameFeatures& features,
+                      ForegroundCount& count) {
+  for (int i = 0; i < features.size(); ++i) {
+    const Keypoint& k = features.keypoint(i);
+    const int x = static_cast<int>(k.u), y = static_cast<int>(k.v);
+    if (!found.region.contains(x, y) || !(features.depth[static_cast<std::size_t>(i)] > 0.0F)) continue;
+    const bool inside = found.contains(x, y);
+    if (truth.contains(x, y)) {
+      ++count.body;
+      count.body_left += !inside;
+    } else {
+      ++count.background;
+      count.background_lost += inside;
+    }
+  }
+}
+
 }  // namespace penumbra::slam

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "slam/dynamics/instance.h"
+#include "slam/frontend/features/frame_features.h"
 
 namespace penumbra::slam {
 
@@ -50,5 +51,22 @@ struct RepairCount {
 // Adds what a repair of `raw` to `repaired` did in an object's box; `clean`: the true depth. 0: unknown.
 void count_repair(const Instance& truth, const FloatImage& raw, const FloatImage& repaired,
                   const FloatImage& clean, RepairCount& count);
+
+// What became of the features with depth in people's boxes, of the body's and of others.
+struct ForegroundCount {
+  long body = 0, body_left = 0;              // left: not in the mask, so taken for the world's
+  long background = 0, background_lost = 0;  // lost: in the mask
+
+  double left_share() const {
+    return body > 0 ? static_cast<double>(body_left) / static_cast<double>(body) : 0.0;
+  }
+  double lost_share() const {
+    return background > 0 ? static_cast<double>(background_lost) / static_cast<double>(background) : 0.0;
+  }
+};
+
+// Adds a person's box: `truth` is exact, `found` the mask that was made of the box.
+void count_foreground(const Instance& truth, const Instance& found, const FrameFeatures& features,
+                      ForegroundCount& count);
 
 }  // namespace penumbra::slam

@@ -49,7 +49,28 @@ TEST(DualConstraint, FiguresAreThoseOfTheDefinitions) {
   }
 }
 
-// The three cases of docs/dynamics/static-points.md.
+// The table of docs/dynamics/static-points.md.
+TEST(DualConstraint, FollowsTheExampleOfTheDocuments) {
+  Vector6d right = Vector6d::Zero();
+  right[0] = -0.2;  // the camera went to the right
+  const SE3 T = SE3::exp(right);
+  const DualConstraint constraint(kKinect, T, settings_of(StaticPointMode::adaptive));
+  const Eigen::Vector3d p(0.3, -0.2, 2.5);
+  const auto expect = [&](const MeasuredPoint& now, double line, double shift, double depth, bool moves) {
+    const auto d = constraint.compare(seen(p), now);
+    EXPECT_NEAR(d->line, line, 0.05);
+    EXPECT_NEAR(d->shift, shift, 0.05);
+    EXPECT_NEAR(*d->depth, depth, 0.005);
+    EXPECT_EQ(constraint.moves(*d), moves);
+  };
+  MeasuredPoint noisy = seen(T * p);
+  noisy.pixel += Eigen::Vector2d(0.6, -0.5);
+  noisy.depth += 0.02;
+  expect(noisy, 0.5, 0.8, 0.02, false);
+  expect(seen(T * (p - Eigen::Vector3d(0.0, 0.08, 0.0))), 16.8, 16.8, 0.0, true);
+  expect(seen(1.12 * (T * p)), 0.0, 0.0, 0.30, true);
+}
+
 TEST(DualConstraint, TellsNoiseFromWhatLeavesTheLineAndFromWhatMovesAlongIt) {
   const SE3 T = sideways();
   const Eigen::Vector3d p(0.3, -0.2, 2.5);
