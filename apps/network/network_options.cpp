@@ -33,9 +33,9 @@ void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
           "--max-size",
           [&](int size) {
             mask_rcnn.max_size = size;
-            yolov5.letterbox.size = size;
+            yolov5.max_size = size;
           },
-          fmt::format("longest side at the network, pixels [Mask R-CNN the weights' own or {}, YOLOv5 {}]",
+          fmt::format("longest side at the network, pixels [the weights' own, or Mask R-CNN {}, YOLOv5 {}]",
                       mask_rcnn.transform.max_size, yolov5.letterbox.size))
       ->check(CLI::Range(32, 8192));
   command

@@ -8,10 +8,13 @@
 #include "nn/layers/nms.h"
 #include "nn/layers/prototype_mask.h"
 #include "nn/models/coco_categories.h"
+#include "nn/models/weight_metadata.h"
 
 namespace penumbra::nn {
 
 Yolov5::Yolov5(const StateDict& state_dict, Yolov5Config config) : config_(config) {
+  const std::optional<int> own = metadata_integer(state_dict, "max_size", {32.0, 8192.0});
+  config_.letterbox.size = config.max_size.value_or(own.value_or(config.letterbox.size));
   WeightReader weights(state_dict, config_.precision);
   weights.expect_metadata("activations", "SiLU");
   weights.expect_metadata("stride", "8,16,32");

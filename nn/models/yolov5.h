@@ -8,6 +8,7 @@
 // YOLOv5 7.0; weights_tools/reference/yolov5.py is the oracle.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,8 @@
 namespace penumbra::nn {
 
 struct Yolov5Config {
-  Letterbox letterbox;
+  Letterbox letterbox;          // its size: where neither the weights nor the user name one
+  std::optional<int> max_size;  // of the user, in place of the weights' own
   // 0.001 and 300 detections find the last thousandths of average precision, 0.25 gives a clean picture.
   float score_threshold = 0.02F;
   float nms_threshold = 0.6F;
@@ -40,6 +42,7 @@ class Yolov5 : public InstanceSegmenter {
   bool has_masks() const override { return head_.has_masks(); }
   bool has_background() const override { return false; }
   const Yolov5Shape& shape() const { return shape_; }
+  int longest_side() const { return config_.letterbox.size; }  // of images at the network, pixels
 
   using InstanceSegmenter::detect;
   void detect(const ByteView& image, Arena& arena, std::vector<Detection>& detections) const override;

@@ -163,6 +163,20 @@ TEST(Yolov5, ImagesOfAnyShapeAreTakenAndDetectionsLieInsideThem) {
   EXPECT_THROW(network(ByteImage::filled(4, 4, 0, 2)), InputError);
 }
 
+TEST(Yolov5, TakesTheSizeOfItsImagesFromTheUserElseFromTheWeights) {
+  StateDict weights = test::random_yolov5({0.125, 1.0 / 3.0, 2, true, false});
+  EXPECT_EQ(Yolov5(weights).longest_side(), 640);
+  weights.metadata["max_size"] = "416";
+  EXPECT_EQ(Yolov5(weights).longest_side(), 416);
+  Yolov5Config config;
+  config.max_size = 320;
+  EXPECT_EQ(Yolov5(weights, config).longest_side(), 320);
+  for (const char* wrong : {"", "0", "many", "1e9"}) {
+    weights.metadata["max_size"] = wrong;
+    EXPECT_THROW(Yolov5(weights, config), InputError) << wrong;
+  }
+}
+
 // NaN weights are refused when the network is made; large ones make NaN of the activations.
 TEST(Yolov5, ActivationsThatAreNotANumberGiveNoDetections) {
   StateDict weights = test::random_yolov5({0.125, 1.0 / 3.0, 2, true, true});
