@@ -190,25 +190,37 @@ DepthRepair::Cell DepthRepair::make_cell(const ByteView& grey, const Rect& pixel
   return cell;
 }
 
-// Of the cells around that look alike; 0 where there are none.
-float DepthRepair::value_for(const Cell& hole, int column, int row, int guard, const Size& reach,
-                             const Size& grid) {
+// Gives it the depth of the cells around that look alike, if there are any.
+void DepthRepair::repair(Cell& hole, int column, int row, int guard, int farthest_away, const Size& reach,
+                         const Size& grid) {
   samples_.clear();
   float nearest = kMostMetres, farthest = 0.0F;
-  std::int32_t weight = 0;
+  std::int32_t weight = 0, away = farthest_away + 1;
   const int left = std::max(0, column - reach.width), right = std::min(grid.width - 1, column + reach.width);
   for (int y = std::max(0, row - reach.height); y <= std::min(grid.height - 1, row + reach.height); ++y) {
     const Cell* cells = cells_.data() + static_cast<std::ptrdiff_t>(y) * grid.width;
     for (int x = left; x <= right; ++x) {
       const Cell& cell = cells[x];
       if (std::abs(cell.grey - hole.hole_grey) >= guard) continue;
+      const int steps = cell.away + std::max(std::abs(x - column), std::abs(y - row));
+      if (steps > farthest_away) continue;
       samples_.push_back({cell.depth, cell.weight});
       nearest = std::min(nearest, cell.depth);
       farthest = std::max(farthest, cell.depth);
       weight += cell.weight;
+      away = std::min(away, steps);
     }
   }
-  if (samples_.empty()) return 0.0F;
+  if (samples_.empty()) return;
+  hole.repaired = value_of_samples(nearest, farthest, weight);
+  if (hole.weight > 0) return;
+  hole.depth = hole.repaired;
+  hole.weight = 1;
+  hole.grey = hole.hole_grey;
+  hole.away = away;
+}
+
+float DepthRepair::value_of_samples(float nearest, float farthest, std::int32_t weight) {
   if (settings_.mode == RepairMode::median) {
     std::sort(samples_.begin(), samples_.end(),
               [](const Sample& a, const Sample& b) { return a.depth < b.depth; });
@@ -259,7 +271,7 @@ int DepthRepair::repair_by_cells(const ByteView& grey, const Rect& box, const Si
       unfilled += cells_.back().holes > 0;
     }
   }
-  const int cells = grid.width * grid.height;
+  const int cells = grid.width * grid.height, farthest = std::max(1, settings_.farthest / side);
   for (int sweep = 0; sweep < kMostSweeps && unfilled > 0; ++sweep) {
     const int before = unfilled;
     const int guard = settings_.grey_difference * (sweep < 2 ? 1 : kWideGuard);
@@ -267,13 +279,8 @@ int DepthRepair::repair_by_cells(const ByteView& grey, const Rect& box, const Si
       const int at = sweep % 2 == 0 ? n : cells - 1 - n;
       Cell& cell = cells_[static_cast<std::size_t>(at)];
       if (cell.holes == 0 || cell.repaired > 0.0F) continue;
-      cell.repaired = value_for(cell, at % grid.width, at / grid.width, guard, cell_reach, grid);
-      if (cell.repaired == 0.0F) continue;
-      --unfilled;
-      if (cell.weight > 0) continue;
-      cell.depth = cell.repaired;
-      cell.weight = 1;
-      cell.grey = cell.hole_grey;
+      repair(cell, at % grid.width, at / grid.width, guard, farthest, cell_reach, grid);
+      unfilled -= cell.repaired > 0.0F;
     }
     if (unfilled == before && sweep >= 2) break;
   }

@@ -50,6 +50,7 @@ struct DepthRepairSettings {
   int grey_difference = 5;  // theta2, grey values; 1 to 5
   double nearer_votes = 0.5;
   double two_surfaces = 0.1;  // of the nearer depth
+  int farthest = 20;          // pixels from a measured depth, by cells: a hole beyond stays one
 };
 
 // Half the window's sides, pixels: it holds the pixels at most so far from its centre.
@@ -72,6 +73,7 @@ class DepthRepair {
     std::int32_t holes = 0;      // of the box
     std::int32_t hole_grey = 0;  // mean
     float repaired = 0.0F;       // of its holes; 0: none yet
+    std::int32_t away = 0;       // cells from the nearest one that was measured and counted for its depth
   };
   struct Sample {
     float depth = 0.0F;
@@ -80,7 +82,8 @@ class DepthRepair {
   int sweep(const ByteView& grey, const Rect& box, const Size& reach, bool backward, FloatImage& depth);
   int repair_by_cells(const ByteView& grey, const Rect& box, const Size& reach, FloatImage& depth);
   Cell make_cell(const ByteView& grey, const Rect& pixels, const Rect& box, const FloatImage& depth) const;
-  float value_for(const Cell& hole, int column, int row, int guard, const Size& reach, const Size& grid);
+  void repair(Cell& hole, int column, int row, int guard, int farthest, const Size& reach, const Size& grid);
+  float value_of_samples(float nearest, float farthest, std::int32_t weight);
 
   const DepthRepairSettings settings_;
   std::vector<std::uint64_t> columns_;  // [column][grey]: how many above bit 40, sum of depths below

@@ -10,12 +10,13 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr int kSquare = 26, kBorder = 12;  // pixels
+constexpr int kSquare = 32, kBorder = 12;  // pixels
 constexpr int kPatch = 2;                  // pixels on each side
 constexpr int kMostDifference = 12;        // grey values, mean of a patch
 constexpr int kFastThreshold = 12;         // grey values
-constexpr int kLevels = 4;
-constexpr int kFewestStanding = 20;  // pairs that decide about the matrix
+constexpr int kLevels = 4, kIterations = 10;
+constexpr double kSmallestStep = 0.05;  // pixels: what moves is off by 1
+constexpr int kFewestStanding = 20;     // pairs that decide about the matrix
 
 bool is_inside(const Size& image, double x, double y) {
   return x >= kBorder && y >= kBorder && x < image.width - kBorder && y < image.height - kBorder;
@@ -52,6 +53,8 @@ void MovingConsistency::follow(const ByteImage& grey, std::span<const Instance> 
   moved_ = points_;
   FlowSettings flow;
   flow.levels = kLevels;
+  flow.iterations = kIterations;
+  flow.smallest_step = kSmallestStep;
   track_points(last_, now_, points_, moved_, flow);
   pairs_.clear();
   standing_.clear();

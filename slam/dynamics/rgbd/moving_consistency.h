@@ -1,7 +1,7 @@
 // Which objects move, by what their points do from one image to the next: those that leave their epipolar
 // lines.
 //
-//   corners of the last image (the best FAST corner of each square of 26 pixels)
+//   corners of the last image (the best FAST corner of each square of 32 pixels)
 //     -> where they are now, by pyramidal Lucas-Kanade (nn/image/point_flow.h)
 //     -> left out: those within 12 pixels of the border, and those whose 5 x 5 pixels look different now
 //     (mean

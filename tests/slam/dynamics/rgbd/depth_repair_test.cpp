@@ -158,6 +158,26 @@ TEST(DepthRepair, ReuseFillsWhatNoWindowReaches) {
   EXPECT_EQ(share_of_holes(reused.depth, box), 0.0);
 }
 
+TEST(DepthRepair, ReuseByCellsEndsFarFromWhatWasMeasured) {
+  const Rect box{10, 10, 100, 80};
+  for (const RepairMode mode : {RepairMode::median, RepairMode::modes}) {
+    for (const int farthest : {12, 1000}) {
+      RepairScene scene = make_scene(120, 100, 11);
+      scene.grey.fill(90);
+      for (int y = 0; y < 100; ++y) {
+        for (int x = 61; x < 120; ++x) scene.depth.at(x, y) = 0.0F;
+      }
+      DepthRepairSettings settings{mode};
+      settings.farthest = farthest;
+      DepthRepair(settings).apply(scene.grey, box, scene.depth);
+      for (int y = box.y; y < box.y + box.height; ++y) {
+        EXPECT_GT(scene.depth.at(66, y), 0.0F);
+        EXPECT_EQ(scene.depth.at(80, y) > 0.0F, farthest > 12);
+      }
+    }
+  }
+}
+
 TEST(DepthRepair, LeavesAloneWhatItCannotKnow) {
   for (const RepairMode mode :
        {RepairMode::paper, RepairMode::border, RepairMode::median, RepairMode::modes}) {
