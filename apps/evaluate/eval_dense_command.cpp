@@ -47,16 +47,17 @@ slam::Similarity place_of_map(const EvalDenseOptions& options) {
   return slam::align_poses(pair.reference, pair.estimate);
 }
 
-// 255 where the frame shows people and things that move.
-ByteImage moving_pixels(const WordImage& numbers, const std::map<int, MadeInstance>& instances) {
-  ByteImage moves(numbers.width(), numbers.height());
-  std::transform(
-      numbers.data(), numbers.data() + numbers.elements(), moves.data(), [&](std::uint16_t number) {
-        const auto at = instances.find(number);
-        const bool moving = at != instances.end() && (at->second.moves || at->second.class_name == "person");
-        return moving ? std::uint8_t{255} : std::uint8_t{0};
-      });
-  return moves;
+// What the frame's pixels show, as DenseTruth takes it.
+ByteImage kinds_of_pixels(const WordImage& numbers, const std::map<int, MadeInstance>& instances) {
+  ByteImage kinds(numbers.width(), numbers.height());
+  std::transform(numbers.data(), numbers.data() + numbers.elements(), kinds.data(),
+                 [&](std::uint16_t number) {
+                   const auto at = instances.find(number);
+                   if (at == instances.end()) return slam::DenseTruth::kStands;
+                   if (at->second.class_name == "person") return slam::DenseTruth::kPerson;
+                   return at->second.moves ? slam::DenseTruth::kThingMoves : slam::DenseTruth::kStands;
+                 });
+  return kinds;
 }
 
 slam::DenseTruth read_truth(const EvalDenseOptions& options) {
@@ -86,7 +87,7 @@ slam::DenseTruth read_truth(const EvalDenseOptions& options) {
                        fmt::format("{}x{}", numbers.width(), numbers.height()));
     }
     truth.add(dataset->camera(), poses[static_cast<std::size_t>(i)].T_wc, depth,
-              moving_pixels(numbers, instances), frame.depth, options.farthest);
+              kinds_of_pixels(numbers, instances), frame.depth, options.farthest);
     progress.update(i + 1);
   }
   return truth;
@@ -105,13 +106,16 @@ void run_eval_dense(const EvalDenseOptions& options) {
     json["median_error_at_3m_m"] = score.median_error_at_3m;
     json["completeness"] = score.completeness;
     json["ghosts"] = score.ghosts;
+    json["people"] = score.people;
     fmt::print("{}\n", json.dump(2));
     return;
   }
   fmt::print("{} voxels; median error {:.1f} mm, at 3 m {:.1f} mm, 95 % below {:.1f} mm\n", score.voxels,
              1e3 * score.median_error, 1e3 * score.median_error_at_3m, 1e3 * score.p95_error);
-  fmt::print("complete to {:.1f} % of what was measured; {:.3f} % of it left of what moved\n",
-             100.0 * score.completeness, 100.0 * score.ghosts);
+  fmt::print(
+      "complete to {:.1f} % of what was measured; {:.3f} % of it left of people, {:.3f} % of things that "
+      "moved\n",
+      100.0 * score.completeness, 100.0 * score.people, 100.0 * (score.ghosts - score.people));
 }
 
 }  // namespace

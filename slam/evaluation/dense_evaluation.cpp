@@ -69,7 +69,7 @@ Similarity align_poses(const Trajectory& truth, const Trajectory& estimate) {
 }
 
 void DenseTruth::add(const StereoCamera& camera, const SE3& T_wc, const FloatImage& depth,
-                     const ByteImage& moves, const FloatImage& sensed, double farthest) {
+                     const ByteImage& kinds, const FloatImage& sensed, double farthest) {
   ++frames_;
   for (int v = 0; v < depth.height(); v += kStep) {
     for (int u = 0; u < depth.width(); u += kStep) {
@@ -80,7 +80,8 @@ void DenseTruth::add(const StereoCamera& camera, const SE3& T_wc, const FloatIma
       point.colour = {static_cast<float>(z), 0.0F, 0.0F};
       const double measured = sensed.at(u, v);
       point.class_id = measured > 0.0 && measured <= farthest ? 1 : 0;
-      (moves.at(u, v) != 0 ? moving_ : standing_).add(point, frames_);
+      const std::uint8_t kind = kinds.at(u, v);
+      (kind == kStands ? standing_ : kind == kPerson ? people_ : things_).add(point, frames_);
     }
   }
 }
@@ -91,7 +92,7 @@ DenseScore DenseTruth::score(const DenseCloud& map, const Similarity& truth_from
   score.truth_voxels = static_cast<int>(standing_.voxels().size());
   VoxelGrid moved(standing_.size());
   std::vector<double> errors(map.places.size()), distances(map.places.size());
-  std::vector<char> ghost(map.places.size(), 0);
+  std::vector<std::uint8_t> ghost(map.places.size(), kStands);  // what is left of
   std::vector<Eigen::Vector3f> places(map.places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Eigen::Vector3f p(map.places[i].data());
@@ -103,8 +104,11 @@ DenseScore DenseTruth::score(const DenseCloud& map, const Similarity& truth_from
     const Nearest standing = nearest_to(standing_, places[i], kFarthestNeighbour);
     errors[i] = standing.distance;
     distances[i] = standing.voxel == nullptr ? 0.0 : standing.voxel->colour[0];
-    ghost[i] =
-        errors[i] > 2.0 * kGhost && nearest_to(moving_, places[i], kFarthestNeighbour).distance < kGhost;
+    if (errors[i] <= 2.0 * kGhost) continue;
+    const auto was_in = [&](const VoxelGrid& grid) {
+      return nearest_to(grid, places[i], kGhost).voxel != nullptr;
+    };
+    ghost[i] = was_in(people_) ? kPerson : was_in(things_) ? kThingMoves : kStands;
   }
   std::vector<double> at_three;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -120,7 +124,11 @@ DenseScore DenseTruth::score(const DenseCloud& map, const Similarity& truth_from
   }
   const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
   score.completeness = share(static_cast<double>(found), static_cast<double>(measured));
-  score.ghosts = share(static_cast<double>(std::count(ghost.begin(), ghost.end(), 1)), score.voxels);
+  const auto share_of = [&](std::uint8_t kind) {
+    return share(static_cast<double>(std::count(ghost.begin(), ghost.end(), kind)), score.voxels);
+  };
+  score.people = share_of(kPerson);
+  score.ghosts = score.people + share_of(kThingMoves);
   score.median_error_at_3m = quantile_of(std::move(at_three), 0.5);
   score.p95_error = quantile_of(errors, 0.95);
   score.median_error = quantile_of(std::move(errors), 0.5);

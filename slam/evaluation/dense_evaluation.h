@@ -4,9 +4,11 @@
 //   completeness   share of the voxels of standing surfaces, of what the depth sensor measured, that have a
 //   voxel of
 //                  the map within `near`
-//   ghosts         share of the map's voxels that lie within `ghost` of a surface of somebody who moved, at
-//   any time,
-//                  and farther than 2 `ghost` from everything that stands
+//   ghosts         share of the map's voxels that lie within `ghost` of a surface of somebody or something
+//   that
+//                  moved, at any time of the recording, also while it stood, and farther than 2 `ghost` from
+//                  everything that stands. `people`: of those the voxels of people; the rest are chairs that
+//                  were pushed, boxes that were carried
 //
 // The truth is kept as voxels, too; distances are to the mean places in them.
 #pragma once
@@ -24,7 +26,7 @@ struct DenseScore {
   double median_error = 0.0, p95_error = 0.0;  // metres
   // Of voxels whose surface was seen from 2.5 to 3.5 m away, on average.
   double median_error_at_3m = 0.0;
-  double completeness = 0.0, ghosts = 0.0;  // shares
+  double completeness = 0.0, ghosts = 0.0, people = 0.0;  // shares
   int voxels = 0, truth_voxels = 0;
 };
 
@@ -38,11 +40,13 @@ Similarity align_poses(const Trajectory& truth, const Trajectory& estimate);
 
 class DenseTruth {
  public:
-  explicit DenseTruth(double voxel = 0.01) : standing_(voxel), moving_(2.0 * voxel) {}
+  static constexpr std::uint8_t kStands = 0, kThingMoves = 1, kPerson = 2;
 
-  // A frame with its true depth and, of its pixels, those whose things move or are people; `sensed` as the
+  explicit DenseTruth(double voxel = 0.01) : standing_(voxel), things_(2.0 * voxel), people_(2.0 * voxel) {}
+
+  // A frame with its true depth and what its pixels show, kStands, kThingMoves or kPerson; `sensed` as the
   // camera measured it. All of one size; metres, 0 = none. Beyond `farthest` nothing counts.
-  void add(const StereoCamera& camera, const SE3& T_wc, const FloatImage& depth, const ByteImage& moves,
+  void add(const StereoCamera& camera, const SE3& T_wc, const FloatImage& depth, const ByteImage& kinds,
            const FloatImage& sensed, double farthest);
 
   // `truth_from_map`: where the map lies in the world of the truth.
@@ -50,7 +54,7 @@ class DenseTruth {
 
  private:
   VoxelGrid standing_;  // colour[0]: mean distance from which it was seen; class 1: the sensor measured it
-  VoxelGrid moving_;
+  VoxelGrid things_, people_;  // that moved
   std::uint32_t frames_ = 0;
 };
 

@@ -4,6 +4,9 @@
 #include <map>
 #include <shared_mutex>
 
+#include "slam/dynamics/movable.h"
+#include "slam/map/dense/displaced.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -11,26 +14,34 @@ namespace {
 constexpr double kDegrees = 180.0 / 3.14159265358979;
 constexpr std::size_t kMostClasses = kMoves;  // numbers below it
 
+}  // namespace
+
 // Gives each class its number in the order of their names.
-class ClassNumbers {
+class DenseMapper::ClassNumbers {
  public:
-  explicit ClassNumbers(const std::vector<TrackedInstance>& instances) {
-    for (const TrackedInstance& instance : instances) {
+  explicit ClassNumbers(const Recorder& record) {
+    for (const TrackedInstance& instance : record.instances()) {
       of_instance_[instance.id] = instance.class_name;
-      if (!instance.class_name.empty()) names_.push_back(instance.class_name);
+      names_.push_back(instance.class_name);
     }
+    for (const auto& [frame, instances] : record.masks()) {
+      for (const Instance& instance : instances) names_.push_back(instance.class_name);
+    }
+    names_.emplace_back();  // the first, as nothing is less
     std::sort(names_.begin(), names_.end());
     names_.erase(std::unique(names_.begin(), names_.end()), names_.end());
-    names_.insert(names_.begin(), "");
     if (names_.size() > kMostClasses) names_.resize(kMostClasses);
   }
   const std::vector<std::string>& names() const { return names_; }
 
-  // What the pixels of a sighting are called. People are never part of a map, whatever they do.
+  // What the pixels of a sighting are called.
   std::uint8_t label_of(const InstanceSighting& seen) const {
     const auto found = of_instance_.find(seen.id);
-    const std::string name = found == of_instance_.end() ? "" : found->second;
-    if (seen.state == MotionState::moving || name == "person") return kMoves;
+    return label_of(found == of_instance_.end() ? "" : found->second, seen.state == MotionState::moving);
+  }
+  // People and all else that can move are never part of a map, whatever they do.
+  std::uint8_t label_of(const std::string& name, bool moves) const {
+    if (moves || is_movable_class(name)) return kMoves;
     const auto at = std::find(names_.begin(), names_.end(), name);
     return at == names_.end() ? std::uint8_t{0} : static_cast<std::uint8_t>(at - names_.begin());
   }
@@ -40,8 +51,6 @@ class ClassNumbers {
   std::vector<std::string> names_;
 };
 
-}  // namespace
-
 void DenseMapper::add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result) {
   if (!result.keyframe || result.place.reference == nullptr || images.depth.empty()) return;
   if (!kept_.empty()) {
@@ -50,28 +59,59 @@ void DenseMapper::add(const StereoCamera& camera, const StereoImages& images, co
     if (step.translation.norm() < settings_.least_metres && degrees < settings_.least_degrees) return;
   }
   last_T_wc_ = result.T_wc;
-  kept_.push_back({result.index, result.place,
-                   make_dense_view(camera, images.left, images.depth, settings_.step, settings_.farthest)});
+  kept_.push_back(
+      {result.index, result.place, make_dense_view(camera, images.left, images.depth, settings_.step)});
+}
+
+// Gives the pixels of the view their classes, and marks what moves. Things that were followed into the
+// keyframe from others count, and what the segmenter saw in it.
+void DenseMapper::label(Kept& kept, const Recorder& record, const ClassNumbers& numbers) const {
+  const auto label_mask = [&](const Rect& region, const ByteImage& mask, std::uint8_t label) {
+    set_label(kept.view, settings_.step, region, mask, label, label == kMoves ? settings_.grow : 0);
+  };
+  kept.view.label.fill(0);
+  if (const auto seen = record.sightings().find(kept.frame); seen != record.sightings().end()) {
+    for (const InstanceSighting& sighting : seen->second)
+      label_mask(sighting.region, sighting.mask, numbers.label_of(sighting));
+  }
+  if (const auto seen = record.masks().find(kept.frame); seen != record.masks().end()) {
+    for (const Instance& instance : seen->second)
+      label_mask(instance.region, instance.mask,
+                 numbers.label_of(instance.class_name, instance.moves.value_or(false)));
+  }
+}
+
+// Marks things of any class that other views show elsewhere.
+void DenseMapper::mark_displaced(Kept& kept, const Recorder& record,
+                                 const std::vector<PosedView>& views) const {
+  const auto seen = record.masks().find(kept.frame);
+  if (seen == record.masks().end()) return;
+  const auto self = std::find_if(views.begin(), views.end(),
+                                 [&](const PosedView& view) { return view.view == &kept.view; });
+  for (const Instance& thing : seen->second) {
+    if (is_displaced(*self, settings_.step, thing.region, thing.mask, views, settings_.fusion))
+      set_label(kept.view, settings_.step, thing.region, thing.mask, kMoves, settings_.grow);
+  }
 }
 
 DenseMap DenseMapper::build(const Recorder& record) {
-  const ClassNumbers numbers(record.instances());
+  const ClassNumbers numbers(record);
+  const auto is_segmented = [&](const Kept& kept) { return record.masks().contains(kept.frame); };
+  const bool most_are = 2 * std::count_if(kept_.begin(), kept_.end(), is_segmented) >= std::ssize(kept_);
   std::vector<PosedView> views;
   std::size_t bytes = 0;
   {
     const std::shared_lock lock(record.slam().map().mutex());
     for (Kept& kept : kept_) {
-      kept.view.label.fill(0);
-      if (const auto seen = record.sightings().find(kept.frame); seen != record.sightings().end()) {
-        for (const InstanceSighting& sighting : seen->second) {
-          const std::uint8_t label = numbers.label_of(sighting);
-          set_label(kept.view, settings_.step, sighting.region, sighting.mask, label,
-                    label == kMoves ? settings_.grow : 0);
-        }
-      }
       views.push_back({&kept.view, kept.place.T_cw().inverse()});
       bytes += kept.view.bytes();
     }
+  }
+  for (Kept& kept : kept_) {
+    label(kept, record, numbers);
+    mark_displaced(kept, record, views);
+    // Whoever stands in it may have been overlooked; others show the same place.
+    if (most_are && !is_segmented(kept)) kept.view.label.fill(kMoves);
   }
   DenseMap map{.voxels = fuse(views, settings_.fusion), .classes = numbers.names(), .floor = {}, .plan = {}};
   map.views = static_cast<int>(views.size());

@@ -47,6 +47,10 @@ class DenseMapper {
     FramePlace place;
     DenseView view;
   };
+  class ClassNumbers;
+  void label(Kept& kept, const Recorder& record, const ClassNumbers& numbers) const;
+  void mark_displaced(Kept& kept, const Recorder& record, const std::vector<PosedView>& views) const;
+
   const DenseSettings settings_;
   std::vector<Kept> kept_;
   SE3 last_T_wc_;  // of the last that is kept, as it was located then

@@ -10,7 +10,6 @@ struct DenseSettings {
   FusionSettings fusion;
   OccupancySettings plan;
   int step = 2;                // pixels between those that are taken
-  double farthest = 5.0;       // metres: farther depth is too uncertain
   double least_metres = 0.05;  // a view nearer than this to the last one ...
   double least_degrees = 3.0;  // ... and turned less than this is left out
   int grow = 6;                // pixels around a mask of what moves that are left out with it

@@ -4,14 +4,23 @@
 #include <shared_mutex>
 #include <utility>
 
+#include "nn/image/resize.h"
+
 namespace penumbra::slam {
 
 const FrameResult& Recorder::add(FrameResult result) {
-  keep(std::exchange(result.findings, {}));
+  Findings findings = std::exchange(result.findings, {});
   result.tracking.mover.reset();  // its mask is large, and no report shows it
   tracked_ += result.tracking.state == TrackingState::tracking;
   results_.push_back(std::move(result));
+  keep(std::move(findings));
   return results_.back();
+}
+
+bool Recorder::is_keyframe(int frame) const {
+  const auto at = std::find_if(results_.rbegin(), results_.rend(),
+                               [frame](const FrameResult& result) { return result.index == frame; });
+  return at != results_.rend() && at->keyframe;
 }
 
 void Recorder::finish() { keep(slam_.finish()); }
@@ -19,6 +28,14 @@ void Recorder::finish() { keep(slam_.finish()); }
 void Recorder::keep(Findings findings) {
   for (KeyframeSightings& seen : findings.sightings) sightings_[seen.frame] = std::move(seen.sightings);
   std::move(findings.gone.begin(), findings.gone.end(), std::back_inserter(gone_));
+  for (SegmentedFrame& found : findings.segmented) {
+    if (!is_keyframe(found.frame)) continue;
+    for (Instance& instance : found.instances) {
+      const Size half{std::max(1, instance.mask.width() / 2), std::max(1, instance.mask.height() / 2)};
+      if (!instance.mask.empty()) instance.mask = resize_nearest<std::uint8_t>(instance.mask, half);
+    }
+    masks_[found.frame] = std::move(found.instances);
+  }
 }
 
 Trajectory Recorder::trajectory() const {

@@ -48,15 +48,19 @@ class Recorder {
   std::vector<TrackedInstance> instances() const;
   // What each keyframe showed of them, by its frame's number; the masks are small.
   const std::map<int, std::vector<InstanceSighting>>& sightings() const { return sightings_; }
+  // What the segmenter saw in each keyframe that it was shown, followed or not; masks of half the size.
+  const std::map<int, std::vector<Instance>>& masks() const { return masks_; }
 
  private:
   void keep(Findings findings);
+  bool is_keyframe(int frame) const;
 
   Slam& slam_;
   std::vector<FrameResult> results_;
   int tracked_ = 0;
   std::vector<TrackedInstance> gone_;
   std::map<int, std::vector<InstanceSighting>> sightings_;
+  std::map<int, std::vector<Instance>> masks_;
 };
 
 }  // namespace penumbra::slam

@@ -50,6 +50,7 @@ void add(FieldList f, DepthMaskSettings& s) {
   repair.number("grey_difference", s.repair.grey_difference, "grey values", 1.0, 5.0);
   repair.number("nearer_votes", s.repair.nearer_votes, "of a pixel", 0.0, 10.0);
   repair.share("two_surfaces", s.repair.two_surfaces);
+  repair.number("farthest", s.repair.farthest, "pixels", 1.0, 10000.0);
   FieldList object = f.group("object");
   object.word("mode", s.object.mode);
   object.number("clusters", s.object.clusters, "clusters", 1.0, 16.0);

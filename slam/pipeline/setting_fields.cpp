@@ -153,7 +153,7 @@ void add(FieldList f, DenseSettings& s) {
   f.number("seen_through", s.fusion.seen_through, "views through for each on a voxel", 0.0, 1e4);
   f.count("fewest_views", s.fusion.fewest_views, "views");
   f.number("step", s.step, "pixels", 1.0, 64.0);
-  f.metres("farthest", s.farthest);
+  f.metres("farthest", s.fusion.farthest);
   f.metres("least_metres", s.least_metres);
   f.number("least_degrees", s.least_degrees, "degrees", 0.0, 360.0);
   f.number("grow", s.grow, "pixels", 0.0, 64.0);

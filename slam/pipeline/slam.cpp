@@ -221,11 +221,11 @@ void Slam::take_instances() {
   const auto scope = timer_.measure("instances");
   std::vector<TrackedInstance> gone = instances_.take_gone();
   std::move(gone.begin(), gone.end(), std::back_inserter(findings_.gone));
-  const std::vector<SegmentedFrame> results = segmentation_.take();
-  for (const SegmentedFrame& found : results) {
+  for (SegmentedFrame& found : segmentation_.take()) {
     instances_.add(found.frame, found.instances);
     if (instances_.is_keyframe(found.frame))
       findings_.sightings.push_back({found.frame, shrunk(instances_.sightings(found.frame))});
+    findings_.segmented.push_back(std::move(found));
   }
   for (Dynamics* dynamics : dynamics_) {
     MapWork work;

@@ -57,6 +57,7 @@ struct KeyframeSightings {
 struct Findings {
   std::vector<KeyframeSightings> sightings;  // of new keyframes, and of earlier ones of which more is known
   std::vector<TrackedInstance> gone;         // objects that are not followed any more, in their final state
+  std::vector<SegmentedFrame> segmented;     // what the segmenter saw in this frame and in earlier ones
 };
 
 struct FrameResult {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "nn/base/ceil_div.h"
 
@@ -28,7 +29,7 @@ float steady_depth(const FloatImage& depth, int column, int row) {
 }  // namespace
 
 DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, const FloatImage& depth,
-                          int step, double farthest) {
+                          int step) {
   const int width = ceil_div(depth.width(), step), height = ceil_div(depth.height(), step);
   DenseView view;
   view.camera = camera;
@@ -49,13 +50,29 @@ DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, co
     const std::uint8_t* const from = image.row(y * step);
     for (int x = 0; x < width; ++x) {
       const float z = steady_depth(depth, x * step, y * step);
-      const float units = std::min(z * DenseView::kDepthUnits, 65535.0F);
-      depths[x] = z <= farthest ? static_cast<std::uint16_t>(std::lround(units)) : std::uint16_t{0};
+      depths[x] = static_cast<std::uint16_t>(std::lround(std::min(z * DenseView::kDepthUnits, 65535.0F)));
       labels[x] = 0;
       for (int c = 0; c < 3; ++c) colours[3 * x + c] = grey ? from[x * step] : from[3 * x * step + c];
     }
   }
   return view;
+}
+
+float nearest_depth(const DenseView& view, int column, int row) {
+  constexpr int kFewest = 5;
+  const bool inside =
+      column > 0 && row > 0 && column < view.depth.width() - 1 && row < view.depth.height() - 1;
+  if (!inside || view.depth.at(column, row) == 0) return 0.0F;
+  int least = std::numeric_limits<std::uint16_t>::max(), known = 0;
+  for (int y = row - 1; y <= row + 1; ++y) {
+    for (int x = column - 1; x <= column + 1; ++x) {
+      const int depth = view.depth.at(x, y);
+      if (depth == 0) continue;
+      ++known;
+      least = std::min(least, depth);
+    }
+  }
+  return known >= kFewest ? static_cast<float>(least) / DenseView::kDepthUnits : 0.0F;
 }
 
 void set_label(DenseView& view, int step, const Rect& region, const ByteImage& mask, std::uint8_t label,

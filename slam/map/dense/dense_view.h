@@ -29,10 +29,14 @@ struct DenseView {
   }
 };
 
-// Takes every `step`-th pixel of a frame, of its depth where it is at most `farthest` metres. Depth at a jump
-// is left out: pixels there mix two surfaces. `image`: grey or blue, green, red, of the depth's size.
+// Takes every `step`-th pixel of a frame. Depth at a jump is left out: pixels there mix two surfaces. Depth
+// beyond 13 m counts as 13 m. `image`: grey or blue, green, red, of the depth's size.
 DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, const FloatImage& depth,
-                          int step, double farthest);
+                          int step);
+
+// The least depth of a pixel and its eight neighbours, metres: nothing is nearer there. 0 where that is not
+// known: the pixel has no depth, or is at the border, or fewer than five of the nine have one.
+float nearest_depth(const DenseView& view, int column, int row);
 
 // Gives the pixels of a mask (255 = object), `region` in pixels of the whole image and the mask of any size
 // stretched over it, the label `label`; `grow` is how far around the mask, in pixels of the whole image, it

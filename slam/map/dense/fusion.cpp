@@ -14,13 +14,14 @@ void measure(const PosedView& posed, std::uint32_t number, const FusionSettings&
   const auto fx = static_cast<float>(view.camera.fx), fy = static_cast<float>(view.camera.fy);
   const auto cx = static_cast<float>(view.camera.cx), cy = static_cast<float>(view.camera.cy);
   const auto noise = static_cast<float>(settings.depth_noise);
+  const auto farthest = static_cast<float>(settings.farthest);
   for (int row = 0; row < view.depth.height(); ++row) {
     const float y = (static_cast<float>(row) - cy) / fy;
     const std::uint8_t* colours = view.colour.row(row);
     for (int column = 0; column < view.depth.width(); ++column, colours += 3) {
       const float z = view.depth_at(column, row);
       const std::uint8_t label = view.label.at(column, row);
-      if (z <= 0.0F || label == kMoves) continue;
+      if (z <= 0.0F || z > farthest || label == kMoves) continue;
       const float sigma = noise * z * z;
       SurfaceSample point;
       point.place =
@@ -34,22 +35,12 @@ void measure(const PosedView& posed, std::uint32_t number, const FusionSettings&
   }
 }
 
-// Per pixel the least depth of it and its eight neighbours, metres; 0 where one of them has none or moves.
 FloatImage nearest_depths(const DenseView& view) {
   FloatImage nearest(view.depth.width(), view.depth.height());
-  nearest.fill(0.0F);
 #pragma omp parallel for schedule(static)
-  for (int row = 1; row < nearest.height() - 1; ++row) {
-    for (int column = 1; column < nearest.width() - 1; ++column) {
-      float least = std::numeric_limits<float>::max();
-      for (int y = row - 1; y <= row + 1; ++y) {
-        for (int x = column - 1; x <= column + 1; ++x) {
-          const bool moves = view.label.at(x, y) == kMoves;
-          least = std::min(least, moves ? 0.0F : view.depth_at(x, y));
-        }
-      }
-      nearest.at(column, row) = least;
-    }
+  for (int row = 0; row < nearest.height(); ++row) {
+    for (int column = 0; column < nearest.width(); ++column)
+      nearest.at(column, row) = nearest_depth(view, column, row);
   }
   return nearest;
 }

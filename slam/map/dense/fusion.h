@@ -26,7 +26,8 @@ namespace penumbra::slam {
 struct FusionSettings {
   double voxel = 0.01;          // metres
   double depth_noise = 0.0014;  // sigma / z^2, 1/metres
-  double seen_through = 1.0;  // views through it for each that measured it: a voxel that has as many is empty
+  double farthest = 5.0;  // metres: farther depth is too uncertain for a surface; what is before it is empty
+  double seen_through = 0.2;  // views through it for each that measured it: a voxel that has as many is empty
   int fewest_views = 1;       // that must have measured a voxel
 };
 

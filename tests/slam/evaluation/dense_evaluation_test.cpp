@@ -24,7 +24,7 @@ struct WallScene {
     for (int v = 0; v < kWallHeight; ++v) {
       for (int u = 0; u < kWallWidth / 3; ++u) {
         depth.at(u, v) = 1.5F;
-        moves.at(u, v) = 255;
+        moves.at(u, v) = DenseTruth::kPerson;
       }
     }
   }
@@ -59,12 +59,26 @@ TEST(DenseEvaluation, MeasuresErrorsGapsAndGhosts) {
   const DenseScore off = truth.score(cloud_of(scene, false, 0.02F), {});
   EXPECT_NEAR(off.median_error, 0.02, 0.002);
   EXPECT_NEAR(off.median_error_at_3m, 0.02, 0.002);
-  EXPECT_NEAR(truth.score(cloud_of(scene, true, 0.0F), {}).ghosts, 1.0 / 3.0, 0.01);
+  const DenseScore with_person = truth.score(cloud_of(scene, true, 0.0F), {});
+  EXPECT_NEAR(with_person.ghosts, 1.0 / 3.0, 0.01);
+  EXPECT_EQ(with_person.people, with_person.ghosts);
   DenseCloud half = cloud_of(scene, false, 0.0F);
   half.places.resize(half.places.size() / 2);
   EXPECT_NEAR(truth.score(half, {}).completeness, 0.5, 0.05);
   EXPECT_EQ(truth.score({}, {}).completeness, 0.0);
   EXPECT_EQ(DenseTruth().score(half, {}).completeness, 0.0);
+}
+
+TEST(DenseEvaluation, TellsPeopleFromThings) {
+  WallScene scene;
+  for (int v = 0; v < kWallHeight / 2; ++v) {
+    for (int u = 0; u < kWallWidth / 3; ++u) scene.moves.at(u, v) = DenseTruth::kThingMoves;
+  }
+  DenseTruth truth;
+  truth.add(kWallCamera, {}, scene.depth, scene.moves, scene.depth, 5.0);
+  const DenseScore score = truth.score(cloud_of(scene, true, 0.0F), {});
+  EXPECT_NEAR(score.ghosts, 1.0 / 3.0, 0.01);
+  EXPECT_NEAR(score.people, 1.0 / 6.0, 0.01);
 }
 
 TEST(DenseEvaluation, CountsOnlyWhatTheSensorMeasured) {

@@ -7,6 +7,7 @@
 
 #include "nn/base/error.h"
 #include "slam/map/dense/cloud_files.h"
+#include "slam/map/dense/displaced.h"
 #include "slam/map/dense/occupancy_grid.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_data.h"
@@ -41,7 +42,7 @@ struct RoomViews {
 
   void add(const SE3& T_wc, bool pillar) {
     const ByteImage image = ByteImage::filled(kRoomCamera.width, kRoomCamera.height, 90);
-    kept.push_back(make_dense_view(kRoomCamera, image, room(T_wc, pillar), 1, 5.0));
+    kept.push_back(make_dense_view(kRoomCamera, image, room(T_wc, pillar), 1));
     poses.push_back(T_wc);
   }
   std::vector<PosedView> posed() const {
@@ -93,6 +94,57 @@ TEST(Fusion, ClearsWhatLaterViewsLookThrough) {
   EXPECT_GT(on_pillar(fuse(standing.posed(), {.voxel = 0.02})), 200);
 }
 
+TEST(Fusion, LooksThroughAtWhatMoves) {
+  // Before the wall stood somebody whom nobody recognised; later the whole view is known to move.
+  RoomViews views;
+  views.add(at(0.0), true);
+  for (const double x : {-0.05, 0.05}) {
+    views.add(at(x), false);
+    views.kept.back().label.fill(kMoves);
+  }
+  const VoxelGrid grid = fuse(views.posed(), {.voxel = 0.02});
+  for (const Voxel& voxel : grid.voxels())
+    EXPECT_TRUE(off_surface(voxel) < 0.1 || voxel.place.y() > kAboveFloor - 0.2);
+}
+
+TEST(Fusion, MeasuresNothingFarButLooksThroughAtIt) {
+  RoomViews views;
+  views.add(at(0.0), true);
+  for (const double x : {-0.05, 0.05}) views.add(at(x), false);
+  const VoxelGrid grid = fuse(views.posed(), {.voxel = 0.02, .farthest = 2.0});
+  EXPECT_GT(grid.voxels().size(), 300U);  // the floor
+  for (const Voxel& voxel : grid.voxels()) {
+    EXPECT_LE(voxel.place.z(), 2.0F);
+    EXPECT_TRUE(off_surface(voxel) < 0.1 || voxel.place.y() > kAboveFloor - 0.2);
+  }
+}
+
+TEST(Displaced, IsWhatOtherViewsContradictOrNoneConfirms) {
+  // Columns within 0.2 m of the middle at 1.5 m, above its foot, which is near to the floor behind it.
+  const Rect region{58, 0, 44, 90};
+  const ByteImage mask = ByteImage::filled(22, 45, 255);
+  const auto judged = [&](const std::vector<bool>& pillar) {
+    RoomViews views;
+    double x = 0.0;
+    for (const bool there : pillar) views.add(at(x += 0.02), there);
+    const std::vector<PosedView> posed = views.posed();
+    return is_displaced(posed.front(), 1, region, mask, posed, {});
+  };
+  EXPECT_FALSE(judged({true, true, true, true}));
+  EXPECT_FALSE(judged({true, true, true, false}));
+  EXPECT_TRUE(judged({true, true, true, false, false}));
+  EXPECT_TRUE(judged({true, false, false}));
+  EXPECT_FALSE(judged({true}));
+  // Views that look away confirm nothing.
+  RoomViews away;
+  away.add(at(0.0), true);
+  for (int i = 0; i < 3; ++i) away.add(at(0.0, 2.0), true);
+  const std::vector<PosedView> posed = away.posed();
+  EXPECT_TRUE(is_displaced(posed.front(), 1, region, mask, posed, {}));
+  EXPECT_FALSE(is_displaced(posed.front(), 1, region, mask, std::span(posed).first(3), {}));
+  EXPECT_FALSE(is_displaced(posed.front(), 1, {}, {}, posed, {}));
+}
+
 TEST(Fusion, LeavesOutWhatMoves) {
   RoomViews views;
   views.add(at(0.0), true);
@@ -111,24 +163,36 @@ TEST(Fusion, LeavesOutWhatMoves) {
   EXPECT_EQ(views.kept.front().label.at(0, 0), 4);
 }
 
-TEST(DenseView, LeavesOutJumpsHolesAndWhatIsFar) {
+TEST(DenseView, LeavesOutJumpsAndHoles) {
   FloatImage depth = FloatImage::filled(8, 6, 1.0F);
   for (int v = 0; v < 6; ++v) {
     for (int u = 5; u < 8; ++u) depth.at(u, v) = 2.0F;
   }
   depth.at(1, 1) = 0.0F;
   depth.at(0, 5) = std::nanf("");
-  const DenseView view = make_dense_view(kRoomCamera, ByteImage::filled(8, 6, 9), depth, 1, 1.5);
+  const DenseView view = make_dense_view(kRoomCamera, ByteImage::filled(8, 6, 9), depth, 1);
   EXPECT_EQ(view.depth_at(2, 2), 1.0F);  // beside the hole
   EXPECT_EQ(view.depth_at(1, 1), 0.0F);
   EXPECT_EQ(view.depth_at(0, 5), 0.0F);
   EXPECT_EQ(view.depth_at(4, 3), 0.0F);  // at the jump
   EXPECT_EQ(view.depth_at(5, 3), 0.0F);
-  EXPECT_EQ(view.depth_at(7, 3), 0.0F);  // 2 m is farther than 1.5
+  EXPECT_EQ(view.depth_at(7, 3), 2.0F);
   const DenseView small =
-      make_dense_view(kRoomCamera, ByteImage::filled(7, 5, 9, 3), FloatImage::filled(7, 5, 1.0F), 2, 5.0);
+      make_dense_view(kRoomCamera, ByteImage::filled(7, 5, 9, 3), FloatImage::filled(7, 5, 1.0F), 2);
   EXPECT_EQ(small.depth.size(), (Size{4, 3}));
   EXPECT_EQ(small.camera.fx, kRoomCamera.fx / 2);
+}
+
+TEST(DenseView, KnowsTheNearestDepthAroundAPixel) {
+  FloatImage depth = FloatImage::filled(9, 9, 2.0F);
+  depth.at(4, 4) = 1.95F;
+  for (int v = 0; v < 9; ++v) depth.at(7, v) = depth.at(8, v) = 0.0F;
+  const DenseView view = make_dense_view(kRoomCamera, ByteImage::filled(9, 9, 9), depth, 1);
+  EXPECT_NEAR(nearest_depth(view, 3, 3), 1.95F, 1e-3F);
+  EXPECT_EQ(nearest_depth(view, 2, 2), 2.0F);
+  EXPECT_EQ(nearest_depth(view, 6, 2), 2.0F);  // six of nine are known
+  EXPECT_EQ(nearest_depth(view, 7, 2), 0.0F);
+  EXPECT_EQ(nearest_depth(view, 0, 3), 0.0F);
 }
 
 TEST(FloorPlane, IsFoundBelowATiltedCamera) {
