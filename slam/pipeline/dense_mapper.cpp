@@ -11,6 +11,8 @@ namespace penumbra::slam {
 
 namespace {
 
+constexpr double kStandingSeconds = 1.0;  // between views from where the camera stands ...
+constexpr int kMostStanding = 30;         // ... of which no more are kept
 constexpr double kDegrees = 180.0 / 3.14159265358979;
 constexpr std::size_t kMostClasses = kMoves;  // numbers below it
 
@@ -51,14 +53,25 @@ class DenseMapper::ClassNumbers {
   std::vector<std::string> names_;
 };
 
+// Whether it shows something that the last view that was kept does not.
+bool DenseMapper::brings_something(const FrameResult& result) {
+  const SE3 step = last_T_wc_.inverse() * result.T_wc;
+  const double degrees = so3_log(step.rotation).norm() * kDegrees;
+  if (kept_.empty() || step.translation.norm() >= settings_.least_metres ||
+      degrees >= settings_.least_degrees) {
+    standing_ = 0;
+    return true;
+  }
+  if (result.timestamp - last_time_ < kStandingSeconds || standing_ >= kMostStanding) return false;
+  ++standing_;
+  return true;
+}
+
 void DenseMapper::add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result) {
   if (!result.keyframe || result.place.reference == nullptr || images.depth.empty()) return;
-  if (!kept_.empty()) {
-    const SE3 step = last_T_wc_.inverse() * result.T_wc;
-    const double degrees = so3_log(step.rotation).norm() * kDegrees;
-    if (step.translation.norm() < settings_.least_metres && degrees < settings_.least_degrees) return;
-  }
+  if (!brings_something(result)) return;
   last_T_wc_ = result.T_wc;
+  last_time_ = result.timestamp;
   kept_.push_back(
       {result.index, result.place, make_dense_view(camera, images.left, images.depth, settings_.step)});
 }

@@ -8,7 +8,8 @@
 //   write(dense.build(record));
 //
 // A keyframe that was taken nearer than `least_metres` and `least_degrees` to the last one that is kept
-// brings nothing new and is left out. Memory: 460 kB a view of 640 x 480 with a step of 2; voxel_grid.h says
+// brings nothing new and is left out. From where the camera stands some are kept, one a second: people come
+// and go before it. Memory: 460 kB a view of 640 x 480 with a step of 2; voxel_grid.h says
 // what a voxel takes. The thread that calls Slam::process() uses it.
 #pragma once
 
@@ -48,12 +49,15 @@ class DenseMapper {
     DenseView view;
   };
   class ClassNumbers;
+  bool brings_something(const FrameResult& result);
   void label(Kept& kept, const Recorder& record, const ClassNumbers& numbers) const;
   void mark_displaced(Kept& kept, const Recorder& record, const std::vector<PosedView>& views) const;
 
   const DenseSettings settings_;
   std::vector<Kept> kept_;
   SE3 last_T_wc_;  // of the last that is kept, as it was located then
+  double last_time_ = 0.0;
+  int standing_ = 0;  // that are kept from where the camera is
 };
 
 }  // namespace penumbra::slam
