@@ -197,11 +197,15 @@ nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings
 
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   int filter_kept = 0, filter_removed = 0, movable_features = 0;
+  slam::StaticPointCount points;
   std::vector<int> lost_frames, occluded_frames;
   for (const slam::FrameResult& result : record.results()) {
     filter_kept += result.tracking.filter.kept;
     filter_removed += result.tracking.filter.removed;
     movable_features += result.movable_features;
+    points.left_out += result.static_points.left_out;
+    points.compared += result.static_points.compared;
+    points.given_back += result.static_points.given_back;
     if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
     if (result.tracking.state == slam::TrackingState::occluded) occluded_frames.push_back(result.index);
   }
@@ -231,6 +235,10 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   json["uncertain_points"] = map.uncertain_points;
   json["disparity_offset_px"] = to_a_thousandth(map.disparity_offset);
   json["movable_features"] = movable_features;
+  if (points.left_out > 0) {
+    json["static_points"] = {
+        {"left_out", points.left_out}, {"compared", points.compared}, {"given_back", points.given_back}};
+  }
   json["occluded_frames"] = occluded_frames;
   json["instances"] = instances_json(record);
   if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;

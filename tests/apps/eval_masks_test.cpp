@@ -15,7 +15,7 @@ TEST(EvalMasksCommand, PrintsBothTablesAndDrawsTheSteps) {
   const test::ProgramResult result =
       test::run_penumbra(fmt::format("eval-masks '{0}' --pictures '{0}/steps'", office));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  for (const char* part : {"paper, k = 3", "grown, repaired", "people, cut off", "| modes |"})
+  for (const char* part : {"paper, k = 3", "grown, repaired", "people, cut off", "| modes |", "| adaptive |"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
   EXPECT_FALSE(std::filesystem::is_empty(folder / "office/steps"));
 }

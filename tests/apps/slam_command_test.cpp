@@ -122,6 +122,33 @@ TEST(SlamCommand, MakesMasksOfBoxesByDepth) {
   EXPECT_EQ(run(masks + "--dynamics guesses").exit_code, 2);
 }
 
+// People who sit: what is left out of them comes back.
+TEST(SlamCommand, GivesBackPointsThatStand) {
+  const test::TemporaryDirectory folder;
+  const std::string office = (folder / "office").string();
+  ASSERT_EQ(test::run_penumbra("synth --scene office --preset sitting-static --frames 16 --out " + office)
+                .exit_code,
+            0);
+  const auto movable = [&](const std::string& options) {
+    const test::ProgramResult result = test::run_penumbra(fmt::format(
+        "slam '{0}' --masks '{0}/instances' --out '{0}/out' --deterministic {1}", office, options));
+    EXPECT_EQ(result.exit_code, 0) << options << result.err;
+    return nlohmann::json::parse(contents(folder / "office/out/run.json")).at("movable_features").get<int>();
+  };
+  const int left_out = movable("--moving class"),
+            with_reach = movable("--dynamics static-points --static-points off");
+  EXPECT_GT(left_out, 0);
+  EXPECT_GT(with_reach, 0);
+  for (const char* options : {"--static-points adaptive", "--static-points paper", "--dynamics static-points",
+                              "--dynamics static-points --foreground paper --static-points paper"}) {
+    movable(options);
+    const auto points = nlohmann::json::parse(contents(folder / "office/out/run.json")).at("static_points");
+    EXPECT_GT(points.at("left_out").get<int>(), 0) << options;
+    EXPECT_GT(points.at("given_back").get<int>(), points.at("left_out").get<int>() / 10) << options;
+    EXPECT_LE(points.at("given_back").get<int>(), points.at("compared").get<int>()) << options;
+  }
+}
+
 TEST(SlamCommand, NeedsDepthForDepthClusters) {
   const test::TemporaryDirectory folder;
   const std::string street = (folder / "street").string();
@@ -130,6 +157,13 @@ TEST(SlamCommand, NeedsDepthForDepthClusters) {
       "slam '{0}' --out '{0}/out' --masks '{0}/sequences/00/instances' --dynamics depth-clusters", street));
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("RGB-D"), std::string::npos) << result.err;
+  const std::string masks =
+      fmt::format("slam '{0}' --out '{0}/out' --masks '{0}/sequences/00/instances' ", street);
+  const test::ProgramResult by_points = test::run_penumbra(masks + "--dynamics static-points");
+  EXPECT_EQ(by_points.exit_code, 2);
+  EXPECT_NE(by_points.err.find("--static-points alone works with any masks"), std::string::npos)
+      << by_points.err;
+  EXPECT_EQ(test::run_penumbra(masks + "--static-points adaptive").exit_code, 0);
 }
 
 TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {

@@ -8,6 +8,10 @@ s/[[:space:]]+#.*$//
   s/ --(frames|presets|seeds|size) [^ ]+//g
   s/$/ --frames 2 --presets easy --seeds 1 --size 310x94/
 }
+/penumbra bench dynamics/{
+  s/ --(frames|presets|seeds|weights) [^ ]+//g
+  s/$/ --frames 2 --presets sitting-static --seeds 1/
+}
 /penumbra match-eval/{
   s/ --frames [^ ]+//g
   s/$/ --frames 0:4/

@@ -6,7 +6,7 @@
 // (docs/dynamics/static-points.md):
 //
 //   on log z, for depth noise and the spread of a body's features grow with z
-//   minPts = sqrt n, eps = 0.05: 5 % of the depth
+//   minPts = sqrt n, eps = 0.06: 6 % of the depth
 //   the person is the cluster with the largest   share of the box's depths - share of its ring's depths
 //
 // The ring is a frame around the box: a desk, a floor or a wall goes on there, the person does not. Cost: O(n
@@ -25,9 +25,9 @@ enum class ForegroundMode { paper, adaptive };
 
 struct ForegroundSettings {
   ForegroundMode mode = ForegroundMode::adaptive;
-  double eps = 0.05;         // of the depth; of `adaptive`
-  double ring_share = 0.15;  // of the box's sides
-  int fewest = 8;            // depths in the box, below which they say nothing
+  double eps = 0.06;        // of the depth; of `adaptive`
+  double ring_share = 0.3;  // of the box's sides
+  int fewest = 8;           // depths in the box, below which they say nothing
 };
 
 // Depths in metres, ends included.
