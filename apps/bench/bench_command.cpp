@@ -12,6 +12,7 @@ void add_bench_command(CLI::App& app) {
   add_conv_benchmark(*bench);
   add_layers_benchmark(*bench);
   add_network_benchmark(*bench);
+  add_detectors_benchmark(*bench);
   add_image_benchmark(*bench);
   add_depth_masks_benchmark(*bench);
   add_slam_benchmark(*bench);

@@ -3,16 +3,12 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "apps/bench/benchmark.h"
-#include "apps/common/image_size.h"
 #include "apps/network/network_options.h"
-#include "nn/base/counter_random.h"
-#include "nn/base/error.h"
 #include "nn/models/mask_rcnn.h"
 #include "nn/models/random_weights.h"
 #include "weights_tools/load_weights.h"
@@ -32,18 +28,6 @@ struct NetworkBenchmarkOptions {
   bool attention = false;
   nn::MaskRcnnConfig config;
 };
-
-ByteImage noise_image(const std::string& size) {
-  const std::optional<Size> pixels = parse_image_size(size);
-  if (!pixels || pixels->width < 1 || pixels->height < 1 || pixels->width > 8192 || pixels->height > 8192) {
-    throw UsageError("--size: expected WIDTHxHEIGHT up to 8192, found '" + size + "'");
-  }
-  ByteImage image(pixels->width, pixels->height, 3);
-  for (std::uint32_t i = 0; i < image.elements(); ++i) {
-    image.data()[i] = static_cast<std::uint8_t>(127.5F + 127.0F * counter_uniform_f32(1, i));
-  }
-  return image;
-}
 
 std::unique_ptr<nn::MaskRcnn> make_network(const NetworkBenchmarkOptions& options, const ByteImage& image) {
   nn::MaskRcnnConfig config = options.config;

@@ -5,9 +5,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "apps/common/compute_options.h"
+#include "apps/common/image_size.h"
+#include "nn/base/counter_random.h"
+#include "nn/base/error.h"
 #include "nn/simd/isa.h"
 #include "nn/simd/kernel_table.h"
 
@@ -41,6 +45,18 @@ Timing time_repeats(const BenchmarkOptions& options, const std::function<void()>
   for (double& s : seconds) s = seconds_of(work);
   std::sort(seconds.begin(), seconds.end());
   return {seconds[seconds.size() / 2], seconds.front(), seconds.back()};
+}
+
+ByteImage noise_image(const std::string& size) {
+  const std::optional<Size> pixels = parse_image_size(size);
+  if (!pixels || pixels->width < 1 || pixels->height < 1 || pixels->width > 8192 || pixels->height > 8192) {
+    throw UsageError("--size: expected WIDTHxHEIGHT up to 8192, found '" + size + "'");
+  }
+  ByteImage image(pixels->width, pixels->height, 3);
+  for (std::uint32_t i = 0; i < image.elements(); ++i) {
+    image.data()[i] = static_cast<std::uint8_t>(127.5F + 127.0F * counter_uniform_f32(1, i));
+  }
+  return image;
 }
 
 double peak_gflops() {

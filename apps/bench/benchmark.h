@@ -8,6 +8,9 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <string>
+
+#include "nn/image/image.h"
 
 namespace penumbra::apps {
 
@@ -28,6 +31,10 @@ struct Timing {
 // Calls `work` warm_up + repeats times and times the repeats.
 Timing time_repeats(const BenchmarkOptions& options, const std::function<void()>& work);
 
+// An image of noise, three channels. Throws UsageError where `size`, the option --size, is no WIDTHxHEIGHT up
+// to 8192.
+ByteImage noise_image(const std::string& size);
+
 // GFLOP/s of the peak loop, all threads together; a multiply-add counts as two operations.
 double peak_gflops();
 
@@ -41,6 +48,7 @@ void add_peak_benchmark(CLI::App& bench);
 void add_conv_benchmark(CLI::App& bench);
 void add_layers_benchmark(CLI::App& bench);
 void add_network_benchmark(CLI::App& bench);
+void add_detectors_benchmark(CLI::App& bench);
 void add_image_benchmark(CLI::App& bench);
 void add_depth_masks_benchmark(CLI::App& bench);
 void add_slam_benchmark(CLI::App& bench);

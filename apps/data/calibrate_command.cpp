@@ -53,7 +53,8 @@ void add_calibrate_command(CLI::App& app) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command = app.add_subcommand("calibrate", "Prepare weights for --precision int8");
   command->add_option("images", options->images, "images of the kind that the network will see")->required();
-  command->add_option("--weights", options->weights, "Mask R-CNN or YOLOv5 weights: safetensors or .pth")
+  command
+      ->add_option("--weights", options->weights, "Mask R-CNN, YOLOv5 or AFNET weights: safetensors or .pth")
       ->required();
   command->add_option("-o,--output", options->output, "safetensors file to write: the weights and the ranges")
       ->required();

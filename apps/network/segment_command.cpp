@@ -232,7 +232,7 @@ void segment(const SegmentOptions& options) {
 void add_segment_command(CLI::App& app) {
   auto options = std::make_shared<SegmentOptions>();
   CLI::App* command =
-      app.add_subcommand("segment", "Find object instances in images with Mask R-CNN or YOLOv5");
+      app.add_subcommand("segment", "Find object instances in images with Mask R-CNN, YOLOv5 or AFNET");
   command->add_option("images", options->images, "PNG, JPEG, PGM or BMP images, or folders of them");
   CLI::Option* coco_images =
       command->add_option("--coco-images", options->coco_images, "folder with the images of a COCO data set");
@@ -247,7 +247,7 @@ void add_segment_command(CLI::App& app) {
                     "print JSON instead of text: images, seconds, peak_arena_bytes, threads, isa");
   command
       ->add_option("--weights", options->weights,
-                   "Mask R-CNN (torchvision's names) or YOLOv5: safetensors, .pt or .pth")
+                   "Mask R-CNN (torchvision's names), YOLOv5 or AFNET: safetensors, .pt or .pth")
       ->required();
   add_key_option(command, options->key);
   command->add_option("--out", options->out, "folder for the pictures and results.json; made if missing")

@@ -14,28 +14,73 @@ Conv2d pointwise(const Tensor& weight, const std::vector<float>& bias, Activatio
   return {weight, bias, options};
 }
 
-// z^h and z^w as maps [N, C, 1, H] and [N, C, 1, W]: their positions side by side, as the convolutions like
+constexpr int kStrips = 8;  // of rows, summed apart: as many on any number of threads
+
+// z^h and z^w side by side, as a map [N, C, 1, H + W]: its positions are neighbours, as convolutions like
 // them.
-void mean_of_rows_and_columns(const FeatureMap& map, FeatureMap& rows, FeatureMap& columns) {
-#pragma omp parallel for collapse(2)
-  for (int n = 0; n < map.images(); ++n) {
-    for (int b = 0; b < map.blocks(); ++b) {
-      float* column = columns.pixel(n, b, 0, 0);
-      const std::ptrdiff_t row_values = static_cast<std::ptrdiff_t>(map.width()) * kBlock;
-      std::fill_n(column, row_values, 0.0F);
-      for (int y = 0; y < map.height(); ++y) {
-        const float* f = map.pixel(n, b, y, 0);
-        float sum[kBlock] = {};
-        for (std::ptrdiff_t x = 0; x < row_values; x += kBlock) {
-          for (int c = 0; c < kBlock; ++c) {
-            sum[c] += f[x + c];
-            column[x + c] += f[x + c];
+FeatureMap means_of_rows_and_columns(const FeatureMap& map, Arena& arena) {
+  const int height = map.height(), strips = std::min(kStrips, height);
+  const std::ptrdiff_t row_values = static_cast<std::ptrdiff_t>(map.width()) * kBlock;
+  FeatureMap means(arena, map.batch(), map.channels(), 1, height + map.width(), 0);
+  FeatureMap parts(arena, map.batch(), map.channels(), strips, map.width(), 0);  // of the columns' sums
+#pragma omp parallel
+  {
+#pragma omp for collapse(3)
+    for (int n = 0; n < map.images(); ++n) {
+      for (int b = 0; b < map.blocks(); ++b) {
+        for (int s = 0; s < strips; ++s) {
+          float* column = parts.pixel(n, b, s, 0);
+          std::fill_n(column, row_values, 0.0F);
+          for (int y = s * height / strips; y < (s + 1) * height / strips; ++y) {
+            const float* f = map.pixel(n, b, y, 0);
+            float sum[kBlock] = {};
+            for (std::ptrdiff_t x = 0; x < row_values; x += kBlock) {
+              for (int c = 0; c < kBlock; ++c) {
+                sum[c] += f[x + c];
+                column[x + c] += f[x + c];
+              }
+            }
+            float* row = means.pixel(n, b, 0, y);
+            for (int c = 0; c < kBlock; ++c) row[c] = sum[c] / static_cast<float>(map.width());
           }
         }
-        float* row = rows.pixel(n, b, 0, y);
-        for (int c = 0; c < kBlock; ++c) row[c] = sum[c] / static_cast<float>(map.width());
       }
-      for (std::ptrdiff_t x = 0; x < row_values; ++x) column[x] /= static_cast<float>(map.height());
+    }
+#pragma omp for collapse(2)
+    for (int n = 0; n < map.images(); ++n) {
+      for (int b = 0; b < map.blocks(); ++b) {
+        float* column = means.pixel(n, b, 0, height);
+        std::fill_n(column, row_values, 0.0F);
+        for (int s = 0; s < strips; ++s) {
+          const float* part = parts.pixel(n, b, s, 0);
+          for (std::ptrdiff_t x = 0; x < row_values; ++x) column[x] += part[x];
+        }
+        for (std::ptrdiff_t x = 0; x < row_values; ++x) column[x] /= static_cast<float>(height);
+      }
+    }
+  }
+  return means;
+}
+
+// F <- x + F g^h g^w, or without x.
+template <bool kShortcut>
+void multiply_gates(FeatureMap& map, const FeatureMap& row_gates, const FeatureMap& column_gates,
+                    const FeatureMap* shortcut) {
+#pragma omp parallel for collapse(3)
+  for (int n = 0; n < map.images(); ++n) {
+    for (int b = 0; b < map.blocks(); ++b) {
+      for (int y = 0; y < map.height(); ++y) {
+        const float* row = row_gates.pixel(n, b, 0, y);
+        const float* column = column_gates.pixel(n, b, 0, map.height());
+        const float* x = kShortcut ? shortcut->pixel(n, b, y, 0) : nullptr;
+        float* f = map.pixel(n, b, y, 0);
+        for (int j = 0; j < map.width(); ++j, f += kBlock, column += kBlock) {
+          for (int c = 0; c < kBlock; ++c) {
+            f[c] = f[c] * (row[c] * column[c]) + (kShortcut ? x[c] : 0.0F);
+          }
+          if (kShortcut) x += kBlock;
+        }
+      }
     }
   }
 }
@@ -56,24 +101,14 @@ CoordinateAttention::CoordinateAttention(const CoordinateAttentionWeights& weigh
   expand_columns_ = pointwise(weights.expand_columns, weights.expand_columns_bias, Activation::sigmoid);
 }
 
-void CoordinateAttention::apply(FeatureMap& map, Arena& arena) const {
-  FeatureMap rows(arena, map.batch(), map.channels(), 1, map.height(), 0);
-  FeatureMap columns(arena, map.batch(), map.channels(), 1, map.width(), 0);
-  mean_of_rows_and_columns(map, rows, columns);
-  const FeatureMap row_gate = expand_rows_(squeeze_(rows, arena), arena);
-  const FeatureMap column_gate = expand_columns_(squeeze_(columns, arena), arena);
-#pragma omp parallel for collapse(3)
-  for (int n = 0; n < map.images(); ++n) {
-    for (int b = 0; b < map.blocks(); ++b) {
-      for (int y = 0; y < map.height(); ++y) {
-        const float* row = row_gate.pixel(n, b, 0, y);
-        const float* column = column_gate.pixel(n, b, 0, 0);
-        float* f = map.pixel(n, b, y, 0);
-        for (int x = 0; x < map.width(); ++x, f += kBlock, column += kBlock) {
-          for (int c = 0; c < kBlock; ++c) f[c] *= row[c] * column[c];
-        }
-      }
-    }
+void CoordinateAttention::apply(FeatureMap& map, Arena& arena, const FeatureMap* shortcut) const {
+  // Each gate is computed at the other's positions, too: that is cheaper than taking f apart.
+  const FeatureMap f = squeeze_(means_of_rows_and_columns(map, arena), arena);
+  const FeatureMap row_gates = expand_rows_(f, arena), column_gates = expand_columns_(f, arena);
+  if (shortcut != nullptr) {
+    multiply_gates<true>(map, row_gates, column_gates, shortcut);
+  } else {
+    multiply_gates<false>(map, row_gates, column_gates, nullptr);
   }
 }
 

@@ -7,10 +7,11 @@
 //
 // The paper joins z^h and z^w along their length before W and splits f behind it; a 1 x 1 convolution treats
 // every position alone, so here each goes through W by itself. BN is folded into W and b (batch_norm.h).
-// Shapes: F [N, C, H, W], in place.
-// Cost: 2 C M (H + W) multiply-adds an image, 2 reads and 1 write of F.
-// Source: Hou et al. 2021, Coordinate Attention for Efficient Mobile Network Design, equations 4 to 8;
-// reference/attention.cpp is the oracle.
+// Inside a residual unit the shortcut x is added by the pass that multiplies: y = x + M(F).
+// Shapes: F, x [N, C, H, W], in place.
+// Cost: 3 C M (H + W) multiply-adds an image, 2 reads and 1 write of F (the second read and the write are
+// those that the addition of a shortcut takes anyway). Source: Hou et al. 2021, Coordinate Attention for
+// Efficient Mobile Network Design, equations 4 to 8; reference/attention.cpp is the oracle.
 #pragma once
 
 #include <vector>
@@ -34,8 +35,8 @@ class CoordinateAttention {
   // Throws InputError where the shapes do not fit together.
   explicit CoordinateAttention(const CoordinateAttentionWeights& weights);
 
-  // F <- M(F)
-  void apply(FeatureMap& map, Arena& arena) const;
+  // F <- M(F), or x + M(F) with `shortcut` x, a map of F's shape.
+  void apply(FeatureMap& map, Arena& arena, const FeatureMap* shortcut = nullptr) const;
 
  private:
   Conv2d squeeze_, expand_rows_, expand_columns_;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr const char* kMaskRcnn = "mask_rcnn";
 constexpr const char* kYolov5 = "yolov5";
+constexpr const char* kAfnet = "afnet";  // a YOLOv5 whose weights have attention or ASFF
 
 std::string kind_of(const StateDict& weights) {
   const auto named = weights.metadata.find("network");
@@ -24,9 +25,10 @@ std::string kind_of(const StateDict& weights) {
 std::unique_ptr<InstanceSegmenter> make_network(const StateDict& weights, const NetworkConfig& config) {
   const std::string kind = kind_of(weights);
   if (kind == kMaskRcnn) return std::make_unique<MaskRcnn>(weights, config.mask_rcnn);
-  if (kind == kYolov5) return std::make_unique<Yolov5>(weights, config.yolov5);
+  if (kind == kYolov5 || kind == kAfnet) return std::make_unique<Yolov5>(weights, config.yolov5);
   throw InputError(weights.source + ", metadata network",
-                   std::string("'") + kMaskRcnn + "' or '" + kYolov5 + "'", "'" + printable(kind) + "'");
+                   fmt::format("'{}', '{}' or '{}'", kMaskRcnn, kYolov5, kAfnet),
+                   fmt::format("'{}'", printable(kind)));
 }
 
 }  // namespace penumbra::nn

@@ -15,9 +15,9 @@ struct NetworkConfig {
   Yolov5Config yolov5;
 };
 
-// Tells the kind by the weights' metadata "network" ("mask_rcnn" or "yolov5"), else by their names: YOLOv5's
-// begin with "model.", all others are taken for Mask R-CNN's. Throws InputError as the networks do, or where
-// the metadata names another kind.
+// Tells the kind by the weights' metadata "network" ("mask_rcnn", "yolov5" or "afnet"), else by their names:
+// YOLOv5's begin with "model.", all others are taken for Mask R-CNN's. Throws InputError as the networks do,
+// or where the metadata names another kind.
 std::unique_ptr<InstanceSegmenter> make_network(const StateDict& weights, const NetworkConfig& config = {});
 
 }  // namespace penumbra::nn

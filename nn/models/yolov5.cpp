@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "nn/layers/nms.h"
@@ -20,6 +21,7 @@ Yolov5::Yolov5(const StateDict& state_dict, Yolov5Config config) : config_(confi
   weights.expect_metadata("stride", "8,16,32");
   shape_ = yolov5_shape(weights);
   features_ = Yolov5Features(weights, shape_);
+  if (shape_.fusion) fusion_ = Yolov5Fusion(weights, shape_);
   head_ = Yolov5Head(weights, shape_);
   weights.finish(shape_.name());
 }
@@ -27,7 +29,9 @@ Yolov5::Yolov5(const StateDict& state_dict, Yolov5Config config) : config_(confi
 int Yolov5::classes() const { return category_of_class(shape_.classes - 1, shape_.classes) + 1; }
 
 Yolov5Output Yolov5::forward(FeatureMap image, Arena& arena) const {
-  return head_(features_(std::move(image), arena), arena);
+  std::array<FeatureMap, 3> maps = features_(std::move(image), arena);
+  if (shape_.fusion) maps = fusion_(maps, arena);
+  return head_(maps, arena);
 }
 
 ArenaVector<Yolov5Candidate> Yolov5::best_candidates(const Yolov5Output& output, Arena& arena) const {

@@ -2,10 +2,14 @@
 //
 //   image -> letterbox -> backbone and neck (N3, N4, N5) -> heads -> NMS per class -> masks on the image
 //
+// AFNET is the same network with coordinate attention in the backbone (yolov5_blocks.h) and ASFF before the
+// heads (yolov5_fusion.h); the weights' names say which of the two they have.
+//
 // The weights decide width, depth, the number of classes, the anchors and whether there are masks; batch norm
 // may be folded into them or not. Networks of 80 classes are taken for COCO's: their labels are COCO's
 // category numbers (1..90, with gaps); of others, label = the network's class + 1. Source: Jocher et al.,
-// YOLOv5 7.0; weights_tools/reference/yolov5.py is the oracle.
+// YOLOv5 7.0; Xu et al. 2023 (AFNET; docs/papers.md B.1); weights_tools/reference/yolov5.py and afnet.py are
+// the oracles.
 #pragma once
 
 #include <optional>
@@ -16,6 +20,7 @@
 #include "nn/models/instance_segmenter.h"
 #include "nn/models/layer_precision.h"
 #include "nn/models/yolov5_features.h"
+#include "nn/models/yolov5_fusion.h"
 #include "nn/models/yolov5_head.h"
 
 namespace penumbra::nn {
@@ -58,6 +63,7 @@ class Yolov5 : public InstanceSegmenter {
   Yolov5Config config_;
   Yolov5Shape shape_;
   Yolov5Features features_;
+  Yolov5Fusion fusion_;
   Yolov5Head head_;
 };
 

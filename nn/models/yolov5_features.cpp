@@ -31,12 +31,14 @@ Yolov5Features::Yolov5Features(WeightReader& weights, const Yolov5Shape& shape) 
   for (std::size_t k = 0; k < stages_.size(); ++k) {
     const int layer = 1 + 2 * static_cast<int>(k);
     stages_[k].down = conv(layer, {c[k], c[k + 1], 3, 2});
-    stages_[k].c3 = Yolov5C3(weights, fmt::format("model.{}", layer + 1), c[k + 1], c[k + 1],
-                             shape.backbone_repetitions[k], true);
+    stages_[k].c3 = Yolov5C3(
+        weights, fmt::format("model.{}", layer + 1), c[k + 1], c[k + 1], shape.backbone_repetitions[k],
+        shape.attention ? Yolov5Residual::shortcut_and_attention : Yolov5Residual::shortcut);
   }
   sppf_ = Yolov5Sppf(weights, "model.9", c[4]);
   const auto c3 = [&](int layer, int inputs, int outputs) {
-    return Yolov5C3(weights, fmt::format("model.{}", layer), inputs, outputs, shape.neck_repetitions, false);
+    return Yolov5C3(weights, fmt::format("model.{}", layer), inputs, outputs, shape.neck_repetitions,
+                    Yolov5Residual::none);
   };
   lateral5_ = conv(10, {c[4], c[3]});
   top_down4_ = c3(13, 2 * c[3], c[3]);

@@ -25,7 +25,7 @@ class Yolov5Features {
   Yolov5Features(WeightReader& weights, const Yolov5Shape& shape);
 
   // `image` is [1, 3, H, W] in blocks of 4, extents multiples of 32, and given back when the stem has read
-  // it; gives N3 (with a border of 1), N4, N5.
+  // it; gives N3 and N4 (with a border of 1) and N5.
   std::array<FeatureMap, 3> operator()(FeatureMap image, Arena& arena) const;
 
  private:

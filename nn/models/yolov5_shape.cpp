@@ -27,11 +27,16 @@ constexpr std::array<Model, 5> kModels{{{'n', 0.25, 1.0 / 3.0},
 }  // namespace
 
 std::string Yolov5Shape::name() const {
+  const char* family = attention && fusion ? "AFNET-" : "YOLOv5";
   const char* suffix = masks ? "-seg" : "";
+  const char* part = attention == fusion ? "" : attention ? " with coordinate attention" : " with ASFF";
   for (const Model& model : kModels) {
-    if (model.width == width && model.depth == depth) return fmt::format("YOLOv5{}{}", model.letter, suffix);
+    if (model.width == width && model.depth == depth) {
+      return fmt::format("{}{}{}{}", family, model.letter, suffix, part);
+    }
   }
-  return fmt::format("YOLOv5{} (width {:.3g}, depth {:.3g})", suffix, width, depth);
+  if (attention && fusion) family = "AFNET";
+  return fmt::format("{}{}{} (width {:.3g}, depth {:.3g})", family, suffix, part, width, depth);
 }
 
 Yolov5Shape yolov5_shape(double width, double depth, int classes, bool masks) {
@@ -68,7 +73,10 @@ Yolov5Shape yolov5_shape(const WeightReader& weights) {
     const auto outputs = static_cast<int>(head.front()) / kAnchorsPerCell;
     classes = std::max(outputs - kBoxValues - (masks ? kPrototypes : 0), 1);
   }
-  return yolov5_shape(width, depth, classes, masks);
+  Yolov5Shape shape = yolov5_shape(width, depth, classes, masks);
+  shape.attention = weights.has("model.2.m.0.attention.squeeze.conv.weight");
+  shape.fusion = weights.has("asff.0.weight.0.weight");
+  return shape;
 }
 
 }  // namespace penumbra::nn

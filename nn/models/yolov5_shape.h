@@ -24,9 +24,12 @@ struct Yolov5Shape {
   int prototype_channels = 64;  // inside the mask branch: 8 ceil(256 width / 8)
   int classes = 80;
   bool masks = false;  // with the segmentation head
+  // The two parts of AFNET: coordinate attention in the backbone's residual units, ASFF before the head.
+  bool attention = false, fusion = false;
   double width = 0.25, depth = 1.0 / 3.0;
 
-  // "YOLOv5n", "YOLOv5s-seg", ...; multiples in brackets where they are no model's.
+  // "YOLOv5n", "YOLOv5s-seg", ...; multiples in brackets where they are no model's. "AFNET-n" with both of
+  // its parts, "YOLOv5n with ASFF" with one.
   std::string name() const;
 };
 
@@ -37,7 +40,8 @@ constexpr int kBoxValues = 5;  // centre, size and objectness
 Yolov5Shape yolov5_shape(double width, double depth, int classes, bool masks);
 
 // What the weights come closest to: width by the stem, depth by the blocks of the backbone's third C3,
-// classes by the head. What they lack of it, or have beyond it, is noted when the network reads them.
+// classes by the head, AFNET's parts by the first tensor of each. What they lack of it, or have beyond it, is
+// noted when the network reads them.
 Yolov5Shape yolov5_shape(const WeightReader& weights);
 
 }  // namespace penumbra::nn

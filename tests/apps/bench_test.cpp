@@ -47,6 +47,17 @@ TEST(Bench, NetworkPrintsOneObject) {
   EXPECT_GT(result["backbone_fpn_gflop"], 1.0);
 }
 
+TEST(Bench, DetectorsAreComparedWithTheFirst) {
+  const std::string weights =
+      test::source_path("weights_tools/models/penumbra-office.safetensors").string() + " ";
+  const nlohmann::json result = json_of("bench detectors " + weights + weights +
+                                        "--size 64x48 --max-size 64 --repeats 2 --warm-up 1 --json");
+  ASSERT_EQ(result["networks"].size(), 2U);
+  EXPECT_EQ(result["networks"][1]["network"], "YOLOv5n");
+  EXPECT_EQ(result["networks"][0]["median_ratio"], 1.0);
+  EXPECT_GT(result["networks"][1]["fastest_ms"], 0.0);
+}
+
 TEST(Bench, ImageOperationsAreTimedOneByOne) {
   const nlohmann::json result =
       json_of("bench image --size 64x48 --isa baseline --repeats 1 --warm-up 0 --json");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -32,7 +33,25 @@ struct Yolov5Shapes {
       add_norm(shapes, name + ".bn", outputs);
     }
   }
-  void c3(const std::string& name, int inputs, int outputs, int repetitions) {
+  void attention(const std::string& name, int channels) {
+    const int squeezed = std::max(8, channels / 32);
+    conv(name + ".squeeze", channels, squeezed);
+    for (const char* expand : {".expand_rows", ".expand_columns"}) {
+      shapes[name + expand + ".weight"] = {channels, squeezed, 1, 1};
+      shapes[name + expand + ".bias"] = {channels};
+    }
+  }
+  // ASFF of levels of these channels.
+  void fusion(const std::array<int, 3>& channels) {
+    for (std::size_t l = 0; l < 3; ++l) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (k != l) conv(fmt::format("asff.{}.resize.{}", l, k), channels[k], channels[l], k < l ? 3 : 1);
+        shapes[fmt::format("asff.{}.weight.{}.weight", l, k)] = {1, channels[l], 1, 1};
+        shapes[fmt::format("asff.{}.weight.{}.bias", l, k)] = {1};
+      }
+    }
+  }
+  void c3(const std::string& name, int inputs, int outputs, int repetitions, bool with_attention = false) {
     const int hidden = outputs / 2;
     conv(name + ".cv1", inputs, hidden);
     conv(name + ".cv2", inputs, hidden);
@@ -40,6 +59,7 @@ struct Yolov5Shapes {
     for (int i = 0; i < repetitions; ++i) {
       conv(fmt::format("{}.m.{}.cv1", name, i), hidden, hidden);
       conv(fmt::format("{}.m.{}.cv2", name, i), hidden, hidden, 3);
+      if (with_attention) attention(fmt::format("{}.m.{}.attention", name, i), hidden);
     }
   }
 };
@@ -96,7 +116,8 @@ nn::StateDict random_yolov5(const RandomYolov5& options) {
   for (int k = 0; k < 4; ++k) {
     const auto stage = static_cast<std::size_t>(k);
     y.conv(fmt::format("model.{}", 1 + 2 * k), c[stage], c[stage + 1], 3);
-    y.c3(fmt::format("model.{}", 2 + 2 * k), c[stage + 1], c[stage + 1], repetitions[stage]);
+    y.c3(fmt::format("model.{}", 2 + 2 * k), c[stage + 1], c[stage + 1], repetitions[stage],
+         options.attention);
   }
   y.conv("model.9.cv1", c[4], c[4] / 2);
   y.conv("model.9.cv2", 2 * c[4], c[4]);
@@ -108,6 +129,7 @@ nn::StateDict random_yolov5(const RandomYolov5& options) {
   y.c3("model.20", 2 * c[2], c[3], times(3));
   y.conv("model.21", c[3], c[3], 3);
   y.c3("model.23", 2 * c[3], c[4], times(3));
+  if (options.fusion) y.fusion({c[2], c[3], c[4]});
   const int outputs = 3 * (5 + options.classes + (options.masks ? 32 : 0));
   for (int level = 0; level < 3; ++level) {
     const std::string name = fmt::format("model.24.m.{}", level);

@@ -1,5 +1,5 @@
 // Classifiers and YOLOv5 with random weights: the same as make_classifier_fixtures.py and
-// make_yolov5_fixtures.py build.
+// make_yolov5_fixtures.py and make_afnet_fixtures.py build.
 #pragma once
 
 #include "nn/io/state_dict.h"
@@ -13,6 +13,7 @@ struct RandomYolov5 {
   double width = 0.125, depth = 1.0 / 3.0;
   int classes = 3;
   bool masks = false, folded = false;
+  bool attention = false, fusion = false;  // AFNET's parts
 };
 nn::StateDict random_yolov5(const RandomYolov5& options);
 

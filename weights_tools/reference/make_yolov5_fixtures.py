@@ -19,8 +19,9 @@ import torchvision
 from torch.nn import functional as F
 
 from make_mask_rcnn_fixtures import runs
+from afnet import Afnet
 from random_state import random_image, random_state
-from yolov5 import PROTOTYPES, Yolov5, load
+from yolov5 import PROTOTYPES, load
 
 LEAST_SCORE = 0.25
 IMAGES = ["coco/images/000000329323.jpg", "coco/images/000000184791.jpg", "coco/images/000000017627.jpg",
@@ -35,8 +36,8 @@ def gain(name):
     return 0.7 if ".m." in name and "cv2" in name else 1.6  # ends a residual branch, or not
 
 
-def random_case(seed, width, depth, classes, prototypes, folded, size):
-    network = Yolov5(classes, depth, width, prototypes, folded).eval()
+def random_case(seed, width, depth, classes, prototypes, folded, size, attention=False, fusion=False):
+    network = Afnet(classes, depth, width, attention, fusion, folded, prototypes).eval()
     shapes = {k: v.shape for k, v in network.state_dict().items()
               if not k.endswith("num_batches_tracked") and not k.endswith("anchors")}
     network.load_state_dict(random_state(shapes, gain), strict=False)

@@ -16,10 +16,11 @@ ANCHORS = (((10, 13), (16, 30), (33, 23)), ((30, 61), (62, 45), (59, 119)), ((11
 
 
 class Conv(nn.Module):
-    """y = silu(batch_norm(W * x)); folded weights have a bias and no norm."""
+    """y = act(batch_norm(W * x)); folded weights have a bias and no norm."""
 
-    def __init__(self, inputs, outputs, kernel=1, stride=1, padding=None, folded=False):
+    def __init__(self, inputs, outputs, kernel=1, stride=1, padding=None, folded=False, act=F.silu):
         super().__init__()
+        self.act = act
         padding = kernel // 2 if padding is None else padding
         self.conv = nn.Conv2d(inputs, outputs, kernel, stride, padding, bias=folded)
         if not folded:
@@ -27,7 +28,7 @@ class Conv(nn.Module):
 
     def forward(self, x):
         x = self.conv(x)
-        return F.silu(self.bn(x) if hasattr(self, "bn") else x)
+        return self.act(self.bn(x) if hasattr(self, "bn") else x)
 
 
 class Residual(nn.Module):
@@ -138,6 +139,10 @@ class Yolov5(nn.Module):
         ])
 
     def forward(self, x):
+        return self.model[24](self.features(x))
+
+    def features(self, x):
+        """N3, N4, N5: what the head reads."""
         m = self.model
         up = lambda t: F.interpolate(t, scale_factor=2, mode="nearest")
         p3 = m[4](m[3](m[2](m[1](m[0](x)))))
@@ -147,7 +152,7 @@ class Yolov5(nn.Module):
         n3 = m[17](torch.cat([up(t4), p3], 1))
         n4 = m[20](torch.cat([m[18](n3), t4], 1))
         n5 = m[23](torch.cat([m[21](n4), t5], 1))
-        return m[24]([n3, n4, n5])
+        return [n3, n4, n5]
 
 
 def load(path, depth=1 / 3, width=1 / 4):

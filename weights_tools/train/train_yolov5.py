@@ -1,7 +1,11 @@
 #!/usr/bin/python3
-"""Trains YOLOv5n, from random weights or others, on a COCO-format data set and writes weights for Penumbra.
+"""Trains YOLOv5n or AFNET-n, from random weights or others, on a COCO-format data set and writes weights for Penumbra.
 
   train_yolov5.py --annotations office/instances.json --images office --classes person,chair,tv --out out/office
+  train_yolov5.py ... --attention --fusion --init out/office/weights.safetensors --out out/afnet
+
+--attention and --fusion are the two parts of AFNET (coordinate attention and ASFF). Where the weights of --init lack
+them, they begin neutral: as if they were not there.
 
 Run again with the same --out, it goes on from the last checkpoint: order of the images and changes to them depend on
 the seed and the step alone. Writes to --out:
@@ -12,6 +16,7 @@ the seed and the step alone. Writes to --out:
 Needs Debian's python3-torch, python3-torchvision, python3-opencv; on a processor set OMP_NUM_THREADS=2.
 """
 import argparse
+import collections
 import functools
 import pathlib
 import sys
@@ -23,7 +28,7 @@ import torch
 import loop
 import safetensors_file
 from coco_data import LUMA, CocoData
-from yolov5_loss import build, losses
+from yolov5_loss import build, losses, start
 
 # Widths and heights of the images, and how often each is drawn: in the first part of the steps and in the second.
 # A small image costs a fraction; the last steps see the size at which the network is used as well.
@@ -43,6 +48,10 @@ def arguments():
     parser.add_argument("--mean-over", type=int, default=300, help="steps that the averaged weights reach back")
     parser.add_argument("--first-part", type=float, default=0.5, help="share of the steps with small images alone")
     parser.add_argument("--init", help="weights.safetensors to start from, of a network with the same classes")
+    parser.add_argument("--attention", action="store_true", help="coordinate attention in the backbone's residual units")
+    parser.add_argument("--fusion", action="store_true", help="ASFF before the head")
+    parser.add_argument("--gate-rate", type=float, default=1.0,
+                        help="learning rate of attention's gates and ASFF's shares, over that of the other weights")
     parser.add_argument("--checkpoint-every", type=int, default=50, help="steps")
     return parser.parse_args()
 
@@ -111,6 +120,11 @@ class Samples:
         return torch.from_numpy(np.stack(images)), torch.from_numpy(np.concatenate(targets).astype(np.float32))
 
 
+def is_gate(name):
+    """Of the weights that say how much of a feature passes."""
+    return ".attention." in name or name.startswith("asff.") and ".weight." in name
+
+
 class Training(loop.Loop):
     def __init__(self, options):
         super().__init__(options, digits=5)
@@ -119,14 +133,17 @@ class Training(loop.Loop):
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
         self.samples = Samples(data, options.batch, options.first_part * options.steps, options.seed)
         torch.manual_seed(options.seed)
-        self.model = build(len(self.classes)).to(memory_format=torch.channels_last).train()
+        self.model = build(len(self.classes), options.attention, options.fusion)
         if options.init:
-            self.model.load_state_dict({**self.model.state_dict(), **safetensors_file.load(options.init)[0]})
+            start(self.model, safetensors_file.load(options.init)[0])
+        self.model.to(memory_format=torch.channels_last).train()
         self.mean = {name: value.clone() for name, value in self.model.state_dict().items()}
-        decaying = [p for p in self.model.parameters() if p.dim() > 1]
-        others = [p for p in self.model.parameters() if p.dim() <= 1]
-        self.optimizer = torch.optim.AdamW([dict(params=decaying, weight_decay=options.weight_decay),
-                                            dict(params=others, weight_decay=0.0)], lr=options.learning_rate)
+        groups = collections.defaultdict(list)
+        for name, parameter in self.model.named_parameters():
+            groups[parameter.dim() > 1, is_gate(name)].append(parameter)
+        self.optimizer = torch.optim.AdamW(
+            [dict(params=parameters, weight_decay=options.weight_decay * decaying, rate=options.gate_rate if gate else 1.0)
+             for (decaying, gate), parameters in groups.items()], lr=options.learning_rate)
         saved = self.resume()
         if saved:
             self.mean = saved["mean"]
@@ -144,7 +161,7 @@ class Training(loop.Loop):
     def one_step(self):
         images, targets = self.samples[self.step]
         for group in self.optimizer.param_groups:
-            group["lr"] = loop.learning_rate(self.step, self.options.steps, self.options.learning_rate)
+            group["lr"] = group["rate"] * loop.learning_rate(self.step, self.options.steps, self.options.learning_rate)
         parts = losses(self.model(images.contiguous(memory_format=torch.channels_last)), targets, self.model.model[24].anchors)
         self.optimizer.zero_grad(set_to_none=True)
         sum(parts.values()).backward()
@@ -162,7 +179,7 @@ class Training(loop.Loop):
         facts = dict(training_data=options.data_name or pathlib.Path(options.annotations).parent.name, seed=options.seed,
                      steps=self.step, images_per_step=options.batch)
         safetensors_file.save(options.out / "weights.safetensors", self.mean,
-                              dict(network="yolov5", batch_norm_eps=1e-3, classes=",".join(self.classes), **facts))
+                              dict(network="afnet" if options.attention or options.fusion else "yolov5", batch_norm_eps=1e-3, classes=",".join(self.classes), **facts))
 
 
 def main():

@@ -1,5 +1,5 @@
-"""What YOLOv5 (release 7) minimises: which cells answer for an object, and the error of their outputs. The network
-itself is weights_tools/reference/yolov5.py."""
+"""What YOLOv5 (release 7) minimises: which cells answer for an object, and the error of their outputs. The networks
+are weights_tools/reference/yolov5.py and afnet.py."""
 import math
 import pathlib
 import sys
@@ -8,7 +8,8 @@ import torch
 from torch.nn import functional as F
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "reference"))
-from yolov5 import STRIDES, Head, Yolov5  # noqa: E402
+from afnet import Afnet, AttentionResidual, Fusion  # noqa: E402
+from yolov5 import STRIDES, Head  # noqa: E402
 
 BOX, OBJECT, CLASS = 0.05, 1.0, 0.5  # weights of the three losses, for images of 640 x 640 and 80 classes
 BALANCE = (4.0, 1.0, 0.4)            # of the objectness at strides 8, 16, 32
@@ -24,15 +25,41 @@ class TrainedHead(Head):
         return [m(x).unflatten(1, (3, -1)).permute(0, 1, 3, 4, 2) for m, x in zip(self.m, maps)]
 
 
-def build(classes):
-    """YOLOv5n with random weights. The biases say that objects are rare: about 8 an image of 640 x 640."""
-    network = Yolov5(classes)
+def build(classes, attention=False, fusion=False):
+    """YOLOv5n, or AFNET-n, with random weights. The biases say that objects are rare: about 8 an image of 640 x 640."""
+    network = Afnet(classes, attention=attention, fusion=fusion)
     head = network.model[24] = TrainedHead(classes, [m.in_channels for m in network.model[24].m], 0, False)
     for m, stride in zip(head.m, STRIDES):
         bias = m.bias.detach().view(3, -1)
         bias[:, 4] = math.log(8 / (640 / stride) ** 2)
         bias[:, 5:] = math.log(0.6 / (classes - 0.99))
     return network
+
+
+def start(network, state):
+    """Loads `state`; parts of AFNET that it lacks begin neutral. Gates of attention are 1/2 each, and the norm before
+    them gives four times as much. A level's share in its own mixture is e^2 / (e^2 + 2) = 0.79, that of the others 0.11,
+    and the head multiplies by 1 / 0.79. What still differs is LeakyReLU for SiLU in the units with attention."""
+    own = network.state_dict()
+    superfluous = [name for name in state if name not in own]
+    if superfluous:
+        raise SystemExit(f"weights that the network does not have: {', '.join(superfluous[:5])}")
+    network.load_state_dict({**own, **state})
+    new = {name for name in own if name not in state}
+    with torch.no_grad():
+        for name, module in network.named_modules():
+            if isinstance(module, AttentionResidual) and f"{name}.attention.expand_rows.weight" in new:
+                attention = module.attention
+                for part in (attention.expand_rows, attention.expand_columns):
+                    part.weight.zero_()
+                    part.bias.zero_()
+                module.cv2.bn.weight.mul_(4)
+                module.cv2.bn.bias.mul_(4)
+            if isinstance(module, Fusion) and f"{name}.weight.0.weight" in new:
+                for k, weight in enumerate(module.weight):
+                    weight.weight.zero_()
+                    weight.bias.fill_(2.0 if k == module.level else 0.0)
+                network.model[24].m[module.level].weight.mul_(1 + 2 * math.exp(-2))
 
 
 def assign(targets, anchors, height, width):

@@ -74,10 +74,11 @@ TEST(Allocations, MaskRcnnWithMixedAttentionMakesNoneFromTheSecondImageOn) {
   expect_no_allocations(MaskRcnn(test::random_mask_rcnn(true), small_images()));
 }
 
-TEST(Allocations, Yolov5WithMasksMakesNoneFromTheSecondImageOn) {
+TEST(Allocations, Yolov5AndAfnetWithMasksMakeNoneFromTheSecondImageOn) {
   Yolov5Config config;
   config.letterbox.size = 192;
   expect_no_allocations(Yolov5(test::random_yolov5({0.125, 1.0 / 3.0, 4, true, false}), config));
+  expect_no_allocations(Yolov5(test::random_yolov5({0.125, 1.0 / 3.0, 4, true, false, true, true}), config));
   config.max_candidates = 50;  // fewer than pass the threshold
   expect_no_allocations(Yolov5(test::random_yolov5({0.125, 1.0 / 3.0, 4, true, false}), config));
 }

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
@@ -17,75 +16,16 @@
 #include "tests/support/repeatability.h"
 #include "tests/support/runs.h"
 #include "tests/support/test_data.h"
+#include "tests/support/yolov5_cases.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::nn {
 namespace {
 
-test::RandomYolov5 random_options(const nlohmann::json& expected) {
-  return {expected["width"], expected["depth"], expected["classes"], expected["masks"], expected["folded"]};
-}
-
-// Row of the PyTorch module's output: level by level, anchor by anchor, row by row.
-std::size_t row_index(const Yolov5Output& output, const Yolov5Candidate& c) {
-  std::size_t before = 0;
-  for (int level = 0; level < c.level; ++level) {
-    const FeatureMap& map = output.levels[static_cast<std::size_t>(level)];
-    before += static_cast<std::size_t>(3 * map.height() * map.width());
-  }
-  const FeatureMap& map = output.levels[static_cast<std::size_t>(c.level)];
-  return before + static_cast<std::size_t>((c.anchor * map.height() + c.row) * map.width() + c.column);
-}
-
 TEST(Yolov5, RandomWeightsGiveTheRowsAndPrototypesOfPyTorch) {
   for (const nlohmann::json& expected : test::read_json(test::fixture("yolov5/random.json"))) {
-    SCOPED_TRACE(expected["seed"]);
-    const Yolov5 network(test::random_yolov5(random_options(expected)));
-    const int classes = expected["classes"];
-    EXPECT_EQ(network.shape().classes, classes);
-    EXPECT_EQ(network.has_masks(), expected["masks"].get<bool>());
-    Arena arena;
-    const ByteImage image = test::random_image(expected["seed"], expected["size"][0], expected["size"][1]);
-    Letterbox letterbox;
-    letterbox.size = std::max(image.width(), image.height());  // as it is
-    const Yolov5Output output =
-        network.forward(letterbox_image(image, letterbox, arena, Yolov5Features::kImageBorder), arena);
-
-    constexpr std::size_t kAll = 100000;
-    const ArenaVector<Yolov5Candidate> candidates = network.head().decode(output, -1.0F, kAll, arena);
-    EXPECT_LT(candidates.size(), kAll);
-    std::size_t compared = 0;
-    for (const Yolov5Candidate& candidate : candidates) {
-      const std::string index = std::to_string(row_index(output, candidate));
-      if (!expected["rows"].contains(index)) continue;
-      const std::vector<double> row = expected["rows"][index];
-      const Box& box = candidate.box;
-      EXPECT_NEAR((box.x1 + box.x2) / 2, row[0], 2e-3) << index;
-      EXPECT_NEAR((box.y1 + box.y2) / 2, row[1], 2e-3) << index;
-      EXPECT_NEAR(box.width(), row[2], 2e-3 * std::max(row[2] / 100, 1.0)) << index;
-      EXPECT_NEAR(box.height(), row[3], 2e-3 * std::max(row[3] / 100, 1.0)) << index;
-      EXPECT_NEAR(candidate.score, row[4] * row[static_cast<std::size_t>(5 + candidate.label)], 5e-5)
-          << index;
-      if (network.has_masks()) {
-        const auto coefficients = network.head().coefficients(output, candidate);
-        for (std::size_t k = 0; k < coefficients.size(); ++k) {
-          EXPECT_NEAR(coefficients[k], row[static_cast<std::size_t>(5 + classes) + k], 1e-4) << index;
-        }
-      }
-      ++compared;
-    }
-    EXPECT_EQ(compared, expected["rows"].size() * static_cast<std::size_t>(classes));
-    if (!network.has_masks()) continue;
-    const std::vector<float> prototypes = to_tensor(output.prototypes).values;
-    for (const auto& [index, value] : expected["prototypes"].items()) {
-      EXPECT_NEAR(prototypes[std::stoul(index)], value.get<float>(), 2e-5) << index;
-    }
+    test::expect_random_outputs(expected);
   }
-}
-
-float box_error(const Box& box, const std::vector<float>& expected) {
-  return std::max({std::abs(box.x1 - expected[0]), std::abs(box.y1 - expected[1]),
-                   std::abs(box.x2 - expected[2]), std::abs(box.y2 - expected[3])});
 }
 
 TEST(Yolov5, PublishedWeightsFindWhatPyTorchFindsOnRealImages) {
@@ -103,12 +43,8 @@ TEST(Yolov5, PublishedWeightsFindWhatPyTorchFindsOnRealImages) {
     ASSERT_EQ(found.size(), count);
     for (std::size_t i = 0; i < count; ++i) {
       const int label = category_of_class(expected["labels"][i], kCocoClasses);
-      const std::vector<float> box = expected["boxes"][i];
-      const auto match = std::find_if(found.begin(), found.end(), [&](const Detection& d) {
-        return d.label == label && box_error(d.box, box) < 0.02F;
-      });
-      ASSERT_NE(match, found.end()) << "detection " << i;
-      EXPECT_NEAR(match->score, expected["scores"][i].get<float>(), 2e-4);
+      const Detection* match = test::expect_detection(found, expected, i, label);
+      ASSERT_NE(match, nullptr);
       EXPECT_EQ(match->mask.bits.empty(), !expected.contains("masks"));
       if (!expected.contains("masks")) continue;
       const std::vector<std::uint32_t> runs = expected["masks"][i];

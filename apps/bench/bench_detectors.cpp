@@ -1,0 +1,94 @@
+// penumbra bench detectors: several networks on the same image, in turn, so that a machine that slows down
+// slows all of them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/bench/benchmark.h"
+#include "apps/network/load_network.h"
+#include "apps/network/network_options.h"
+#include "nn/base/stopwatch.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+struct DetectorsBenchmarkOptions {
+  BenchmarkOptions common;
+  std::string size = "640x480";
+  std::vector<std::string> weights;
+  nn::NetworkConfig network;
+};
+
+struct Contender {
+  LoadedNetwork loaded;
+  nn::Arena arena;
+  std::vector<nn::Detection> detections;
+  std::vector<double> milliseconds;
+
+  // Of the repeats in order of time, at `share` of them.
+  double quantile(double share) const {
+    return milliseconds[static_cast<std::size_t>(share * static_cast<double>(milliseconds.size() - 1))];
+  }
+};
+
+void bench_detectors(const DetectorsBenchmarkOptions& options) {
+  const ByteImage image = noise_image(options.size);
+  std::vector<std::unique_ptr<Contender>> contenders;
+  for (const std::string& weights : options.weights) {
+    contenders.push_back(std::make_unique<Contender>());
+    contenders.back()->loaded = load_network(weights, {}, options.network);
+  }
+  for (int repeat = -options.common.warm_up; repeat < options.common.repeats; ++repeat) {
+    for (const auto& contender : contenders) {
+      const Stopwatch stopwatch;
+      contender->loaded.network->detect(image, contender->arena, contender->detections);
+      if (repeat >= 0) contender->milliseconds.push_back(stopwatch.milliseconds());
+    }
+  }
+  const double peak = peak_gflops();
+  nlohmann::ordered_json result = machine_json(peak);
+  result["image"] = options.size;
+  if (!options.common.json) print_machine(peak);
+  for (const auto& contender : contenders) {
+    std::sort(contender->milliseconds.begin(), contender->milliseconds.end());
+    const double median = contender->quantile(0.5), fastest = contender->quantile(0.0);
+    const Contender& first = *contenders.front();
+    const double ratio = median / first.quantile(0.5), fastest_ratio = fastest / first.quantile(0.0);
+    result["networks"].push_back({{"weights", contender->loaded.source},
+                                  {"network", contender->loaded.network->name()},
+                                  {"median_ms", median},
+                                  {"fastest_ms", fastest},
+                                  {"median_ratio", ratio},
+                                  {"fastest_ratio", fastest_ratio}});
+    if (options.common.json) continue;
+    fmt::print("{:32} median {:7.2f} ms ({:.3f} x the first), fastest {:7.2f} ms ({:.3f} x), {}\n",
+               contender->loaded.network->name(), median, ratio, fastest, fastest_ratio,
+               contender->loaded.source);
+  }
+  if (options.common.json) fmt::print("{}\n", result.dump(2));
+}
+
+}  // namespace
+
+void add_detectors_benchmark(CLI::App& bench) {
+  auto options = std::make_shared<DetectorsBenchmarkOptions>();
+  options->common.repeats = 50;
+  options->network.yolov5.score_threshold = 0.25F;  // as for a picture: few boxes of noise pass
+  CLI::App* command =
+      bench.add_subcommand("detectors", "Networks against each other: YOLOv5, AFNET or Mask R-CNN");
+  command->add_option("weights", options->weights, "weights files; ratios are to the first")->required();
+  command->add_option("--size", options->size, "the image's WIDTHxHEIGHT")->capture_default_str();
+  add_network_options(command, options->network);
+  add_benchmark_options(command, options->common);
+  command->footer(
+      "Example:\n"
+      "  penumbra bench detectors weights_tools/models/penumbra-office.safetensors \\\n"
+      "    weights_tools/models/penumbra-tiny.safetensors --threads 1\n");
+  command->callback([options] { bench_detectors(*options); });
+}
+
+}  // namespace penumbra::apps
