@@ -7,42 +7,10 @@
 
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
-#include "nn/layers/activations.h"
+#include "nn/simd/kernel_table.h"
+#include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
-
-namespace {
-
-// w . f over the channels of a pixel; the sums of the 16 lanes are added last, in pairs.
-float dot(const float* w, const float* f, std::ptrdiff_t block_stride, int blocks) {
-  float sum[kBlock] = {};
-  for (int b = 0; b < blocks; ++b, w += kBlock, f += block_stride) {
-    for (int c = 0; c < kBlock; ++c) sum[c] += w[c] * f[c];
-  }
-  for (int half = kBlock / 2; half > 0; half /= 2) {
-    for (int c = 0; c < half; ++c) sum[c] += sum[c + half];
-  }
-  return sum[0];
-}
-
-// Row y of block b: sum_k alpha_k F_k; `shares` holds those of the row's pixels, all levels of a pixel side
-// by side.
-void mix_row(std::span<const FeatureMap* const> levels, const float* shares, int n, int b, int y,
-             FeatureMap& output) {
-  for (std::size_t k = 0; k < levels.size(); ++k) {
-    const int factor = output.width() / levels[k]->width();
-    const float* f = levels[k]->pixel(n, b, y / factor, 0);
-    const float* share = shares + k;
-    float* out = output.pixel(n, b, y, 0);
-    for (int x = 0; x < levels[k]->width(); ++x, f += kBlock) {
-      for (int r = 0; r < factor; ++r, share += levels.size(), out += kBlock) {
-        for (int c = 0; c < kBlock; ++c) out[c] = k == 0 ? *share * f[c] : out[c] + *share * f[c];
-      }
-    }
-  }
-}
-
-}  // namespace
 
 Asff::Asff(std::span<const Tensor> weights, std::vector<float> bias)
     : level_count_(weights.size()), bias_(std::move(bias)) {
@@ -59,16 +27,6 @@ Asff::Asff(std::span<const Tensor> weights, std::vector<float> bias)
     const std::size_t start = weights_.size();
     weights_.insert(weights_.end(), weight.values.begin(), weight.values.end());
     weights_.resize(start + static_cast<std::size_t>(ceil_div(channels_, kBlock)) * kBlock, 0.0F);
-  }
-}
-
-void Asff::lambda_row(const FeatureMap& level, std::size_t k, int n, int y, int width, float* lambda) const {
-  const int factor = width / level.width();
-  const float* f = level.pixel(n, 0, y / factor, 0);
-  const float* w = weights_.data() + k * (weights_.size() / level_count_);
-  for (int x = 0; x < level.width(); ++x, f += kBlock) {
-    const float value = bias_[k] + dot(w, f, level.block_stride(), level.blocks());
-    for (int r = 0; r < factor; ++r, lambda += level_count_) *lambda = value;
   }
 }
 
@@ -93,20 +51,27 @@ FeatureMap Asff::operator()(std::span<const FeatureMap* const> levels, Arena& ar
     }
   }
   FeatureMap output(arena, levels.front()->batch(), channels_, height, width, output_border);
+  // Of each thread: the levels as the kernel takes them, and a row's shares.
+  const auto threads = static_cast<std::size_t>(omp_get_max_threads());
   const std::size_t row_values = static_cast<std::size_t>(width) * level_count_;
-  const ArenaBuffer scratch =  // a row's shares, of each thread
-      arena.allocate(static_cast<std::size_t>(omp_get_max_threads()) * row_values);
+  const ArenaBuffer shares = arena.allocate(threads * row_values);
+  ArenaVector<MixedLevel> rows(arena, threads * level_count_);
+  rows.resize(rows.capacity());
 #pragma omp parallel
   {
-    float* shares = scratch.data() + static_cast<std::size_t>(omp_get_thread_num()) * row_values;
+    const auto thread = static_cast<std::size_t>(omp_get_thread_num());
+    MixedLevel* row = rows.data() + thread * level_count_;
 #pragma omp for collapse(2)
     for (int n = 0; n < output.images(); ++n) {
       for (int y = 0; y < height; ++y) {
-        for (std::size_t k = 0; k < level_count_; ++k) lambda_row(*levels[k], k, n, y, width, shares + k);
-        for (std::size_t x = 0; x < row_values; x += level_count_) {
-          softmax(std::span(shares + x, level_count_));
+        for (std::size_t k = 0; k < level_count_; ++k) {
+          const int factor = width / levels[k]->width();
+          row[k] = {levels[k]->pixel(n, 0, y / factor, 0), levels[k]->block_stride(), factor,
+                    weights_.data() + k * (weights_.size() / level_count_), bias_[k]};
         }
-        for (int b = 0; b < output.blocks(); ++b) mix_row(levels, shares, n, b, y, output);
+        kernels().mix_row({row, static_cast<int>(level_count_), width, output.blocks(),
+                           shares.data() + thread * row_values, output.pixel(n, 0, y, 0),
+                           output.block_stride()});
       }
     }
   }

@@ -8,9 +8,9 @@
 // pixel are positive and add up to 1. Levels that are coarser by a whole factor r are given as they are and
 // repeated in passing, F_k[c, i / r, j / r]: their lambda is computed once a pixel of theirs.
 // Shapes: y [N, C, H, W], H and W the largest of all levels'; F_k [N, C, H / r_k, W / r_k].
-// Cost: 2 K C multiply-adds a pixel; every F_k is read twice, the second time from the cache.
-// Source: Liu et al. 2019, Learning Spatial Fusion for Single-Shot Object Detection, equations 1 and 2;
-// reference/attention.cpp is the oracle.
+// Cost: 2 K C multiply-adds a pixel; every F_k is read twice, the second time from the cache. A row at a time
+// by the kernel mix_row. Source: Liu et al. 2019, Learning Spatial Fusion for Single-Shot Object Detection,
+// equations 1 and 2; reference/attention.cpp is the oracle.
 #pragma once
 
 #include <span>
@@ -32,9 +32,6 @@ class Asff {
   FeatureMap operator()(std::span<const FeatureMap* const> levels, Arena& arena, int output_border = 0) const;
 
  private:
-  // Of the pixels of row y of the output; they lie `level_count_` apart.
-  void lambda_row(const FeatureMap& level, std::size_t k, int n, int y, int width, float* lambda) const;
-
   int channels_ = 0;
   std::size_t level_count_ = 0;
   std::vector<float> weights_;  // [level][C rounded up to 16], zero beyond C

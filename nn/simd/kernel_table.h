@@ -106,6 +106,25 @@ struct RoiAlignArguments {
   std::ptrdiff_t output_row_stride = 0;
 };
 
+// A row of a mixture of feature maps with shares that a softmax gives at every pixel; see nn/layers/asff.h.
+//   lambda_k[x] = bias_k + sum_c w_k[c] F_k[c, x / factor_k];   shares = softmax_k(lambda)
+//   y[c, x] = sum_k shares_k[x] F_k[c, x / factor_k]
+struct MixedLevel {
+  const float* row = nullptr;  // pixel 0 of block 0; pixels are 16 floats apart
+  std::ptrdiff_t block_stride = 0;
+  int factor = 1;                  // by which the level is coarser; divides the width
+  const float* weights = nullptr;  // [blocks][16]
+  float bias = 0.0F;
+};
+struct MixRowArguments {
+  const MixedLevel* levels = nullptr;
+  int level_count = 0;
+  int width = 0, blocks = 0;
+  float* shares = nullptr;  // [level_count][width]: lambda, then what the softmax makes of it
+  float* output = nullptr;  // pixel 0 of block 0
+  std::ptrdiff_t output_block_stride = 0;
+};
+
 struct KernelTable {
   const TileKernels* tile;
   void (*winograd_input)(const WinogradInputArguments&);
@@ -114,6 +133,7 @@ struct KernelTable {
   // In place, `count` values; `slope` is read by leaky_relu alone. See nn/layers/activations.h.
   void (*activate)(float* values, std::ptrdiff_t count, Activation activation, float slope);
   void (*roi_align)(const RoiAlignArguments&);
+  void (*mix_row)(const MixRowArguments&);
 
   // Runs `iterations` of a loop of independent multiply-adds in registers; returns the floating-point
   // operations done (two a multiply-add): what the processor can do at best.

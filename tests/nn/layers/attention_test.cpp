@@ -7,6 +7,7 @@
 #include "nn/layers/mixed_attention.h"
 #include "nn/layers/reference/reference.h"
 #include "nn/layers/self_attention.h"
+#include "tests/support/image_cases.h"
 #include "tests/support/tensors.h"
 
 namespace penumbra::nn {
@@ -74,24 +75,37 @@ TEST(CoordinateAttention, AgreesWithTheReferenceOnRandomShapes) {
         random_tensor({channels, hidden, 1, 1}, 500 + trial), {}};
     Arena arena;
     FeatureMap map = to_feature_map(x, arena, pick(random, 0, 1));
-    CoordinateAttention(weights).apply(map, arena);
-    expect_close(to_tensor(map), reference::coordinate_attention(x, weights));
+    const CoordinateAttention attention(weights);
+    attention.apply(map, arena);
+    const Tensor expected = reference::coordinate_attention(x, weights);
+    expect_close(to_tensor(map), expected);
+
+    const Tensor shortcut = random_tensor(x.shape, 600 + trial);
+    const FeatureMap shortcut_map = to_feature_map(shortcut, arena, pick(random, 0, 1));
+    map = to_feature_map(x, arena);
+    attention.apply(map, arena, &shortcut_map);
+    expect_close(to_tensor(map), reference::add(shortcut, expected));
   }
 }
 
-TEST(Asff, AgreesWithTheReferenceOnRandomShapes) {
+class AsffTest : public test::EveryIsa {};
+
+TEST_P(AsffTest, AgreesWithTheReferenceOnRandomShapes) {
   std::mt19937 random(5);
   for (std::uint32_t trial = 0; trial < 60; ++trial) {
-    const Shape shape{pick(random, 0, 2), pick(random, 1, 40), pick(random, 1, 12), pick(random, 1, 12)};
+    const int height = 4 * pick(random, 1, 4), width = 4 * pick(random, 1, 4);
+    const Shape shape{pick(random, 0, 2), pick(random, 1, 40), height, width};
     const int count = pick(random, 1, 4);
     Arena arena;
     std::vector<Tensor> levels, weights;
     std::vector<FeatureMap> maps;
     for (int k = 0; k < count; ++k) {
       const std::uint32_t seed = 10 * trial + static_cast<std::uint32_t>(k);
-      levels.push_back(random_tensor(shape, seed));
+      const int factor = k == 0 ? 1 : 1 << pick(random, 0, 2);  // some are coarser
+      const Tensor level = random_tensor({shape[0], shape[1], height / factor, width / factor}, seed);
+      levels.push_back(reference::upsample_nearest(level, height, width));
       weights.push_back(random_tensor({1, shape[1], 1, 1}, 1000 + seed));
-      maps.push_back(to_feature_map(levels.back(), arena, pick(random, 0, 1)));
+      maps.push_back(to_feature_map(level, arena, pick(random, 0, 1)));
     }
     std::vector<const FeatureMap*> pointers;
     for (const FeatureMap& map : maps) pointers.push_back(&map);
@@ -100,6 +114,8 @@ TEST(Asff, AgreesWithTheReferenceOnRandomShapes) {
                  reference::asff(levels, weights, bias));
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Isa, AsffTest, test::every_isa(), test::isa_name);
 
 TEST(SelfAttention, AgreesWithTheReferenceOnRandomShapes) {
   std::mt19937 random(6);
