@@ -3,7 +3,8 @@
 
   evaluate.py out/attention_1/weights.safetensors --annotations val/instances.json --images val --out out/attention_1
 
-Writes results.json and ap.json to --out; a detector without masks is judged with --boxes. With --stamp also box_AP and mask_AP into the weights' metadata. train.py does the same at its end where it is given a validation set.
+Writes results.json and ap.json to --out; a detector without masks is judged with --boxes. With --people-seen also ap_people.json: of
+people alone, and by which share of them is hidden or out of the image (recall_by_visible_share.py). With --stamp also box_AP and mask_AP into the weights' metadata. train.py does the same at its end where it is given a validation set.
 """
 import argparse
 import json
@@ -11,9 +12,11 @@ import pathlib
 import subprocess
 
 import safetensors_file
+from recall_by_visible_share import visible_shares
 
 PENUMBRA = str(pathlib.Path(__file__).resolve().parents[2] / "build" / "penumbra")
 OCCLUSION = "0,0.3,0.6,0.9"  # bounds of the ranges of hidden share
+SEEN = "0,0.25,0.5,0.75,1"     # the same of people, borders counted as well
 NAMES = ("AP", "AP50", "AP75", "APs", "APm", "APl")
 
 
@@ -31,22 +34,41 @@ def only(classes, annotations, path):
     return path
 
 
-def evaluate(penumbra, weights, annotations, images, out, classes=(), boxes=False):
-    """`penumbra eval-coco --json` of what `penumbra segment` finds; writes results.json and ap.json to `out`. Of some
-    classes or all, of boxes alone or of masks as well."""
-    pathlib.Path(out).mkdir(parents=True, exist_ok=True)
-    if classes:
-        annotations = only(classes, annotations, pathlib.Path(out) / "annotations.json")
-    subprocess.run([penumbra, "segment", "--coco-images", str(images), "--annotations", str(annotations),
-                    "--weights", str(weights), "--out", str(out)], check=True)
-    command = [penumbra, "eval-coco", "--annotations", str(annotations), "--results", str(out) + "/results.json", "--json"]
-    if boxes:
-        command += ["--type", "bbox"]
+def people_seen(annotations, images, path):
+    """Writes the annotations of people, whose "occlusion" becomes all that is not seen of them: hidden or cut off."""
+    text = only(["person"], annotations, path).read_text()
+    content, people = json.loads(text), json.loads(text)["annotations"]
+    shares, _ = visible_shares(pathlib.Path(images), {image["id"]: image for image in content["images"]}, people)
+    for annotation, share in zip(content["annotations"], shares):
+        annotation["occlusion"] = min(max(1 - float(share), 0.0), 0.999)
+    path.write_text(json.dumps(content))
+    return path
+
+
+def judge(penumbra, annotations, results, kinds, ranges, path):
+    """`penumbra eval-coco --json`, written to `path`."""
+    command = [penumbra, "eval-coco", "--annotations", str(annotations), "--results", str(results), "--json", *kinds]
     if has_occlusion(annotations):
-        command += ["--occlusion", OCCLUSION]
+        command += ["--occlusion", ranges]
     numbers = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
-    (pathlib.Path(out) / "ap.json").write_text(json.dumps(numbers, indent=1) + "\n")
+    path.write_text(json.dumps(numbers, indent=1) + "\n")
     return numbers
+
+
+def evaluate(penumbra, weights, annotations, images, out, classes=(), boxes=False, seen=False, size=None):
+    """`penumbra eval-coco --json` of what `penumbra segment` finds; writes results.json and ap.json to `out`. Of some
+    classes or all, of boxes alone or of masks as well; with `seen` also ap_people.json. `size`: --max-size."""
+    out = pathlib.Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    if classes:
+        annotations = only(classes, annotations, out / "annotations.json")
+    subprocess.run([penumbra, "segment", "--coco-images", str(images), "--annotations", str(annotations), "--weights",
+                    str(weights), "--out", str(out), *(["--max-size", str(size)] if size else [])], check=True)
+    kinds = ["--type", "bbox"] if boxes else []
+    if seen:
+        people = people_seen(annotations, images, out / "annotations_people.json")
+        judge(penumbra, people, out / "results.json", kinds, SEEN, out / "ap_people.json")
+    return judge(penumbra, annotations, out / "results.json", kinds, OCCLUSION, out / "ap.json")
 
 
 def stamp(weights, numbers):
@@ -74,10 +96,12 @@ def main():
     parser.add_argument("--penumbra", default=PENUMBRA)
     parser.add_argument("--classes", default="", help="judge these alone, names separated by commas")
     parser.add_argument("--boxes", action="store_true", help="the network has no masks")
+    parser.add_argument("--people-seen", action="store_true", help="also ap_people.json; needs depth_clean/")
+    parser.add_argument("--size", type=int, help="longest side at the network")
     parser.add_argument("--stamp", action="store_true")
     options = parser.parse_args()
     numbers = evaluate(options.penumbra, options.weights, options.annotations, options.images, options.out,
-                       [name for name in options.classes.split(",") if name], options.boxes)
+                       [name for name in options.classes.split(",") if name], options.boxes, options.people_seen, options.size)
     if options.stamp:
         stamp(options.weights, numbers)
     print(summary(numbers))

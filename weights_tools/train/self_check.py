@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks of the training code that need no data: gates start as the identity, folding keeps the outputs, layers that
 are computed otherwise than torchvision computes them agree with it, masks survive their encoding, YOLOv5's objects go to
-the cells that a loop finds, and its head says in training what it says afterwards.
+the cells that a loop finds, and its head says in training what it says afterwards, attention starts with gates that change nothing.
 
 usage: self_check.py        (prints one line a check; exit code 1 where one fails)
 """
@@ -17,6 +17,8 @@ from config import CONFIGS
 from model import BoxHead, DoublingConv, build, fold_gains
 from yolov5_loss import STRIDES, assign, complete_iou
 from yolov5_loss import build as build_yolov5
+from yolov5_loss import start
+from afnet import BACKBONE_C3, leaky
 
 TINY = CONFIGS["tiny"]
 
@@ -121,11 +123,23 @@ def the_trained_head_says_what_the_reference_says():
     return torch.allclose(first[:, 4:], y[:, 4:]) and torch.allclose(first[:, 2:4], (2 * y[:, 2:4]) ** 2 * anchors)
 
 
+def coordinate_attention_starts_as_the_identity():
+    torch.manual_seed(5)
+    plain, gated, image = build_yolov5(3).eval(), build_yolov5(3, attention=True).eval(), torch.rand(1, 3, 64, 96)
+    start(gated, plain.state_dict())
+    for k in BACKBONE_C3:
+        for unit in plain.model[k].m:
+            unit.cv1.act = unit.cv2.act = leaky
+    with torch.no_grad():
+        return torch.allclose(plain(image)[0], gated(image)[0], rtol=1e-4, atol=1e-5)
+
+
 def main():
     failed = False
     for check in (attention_starts_as_the_identity, folding_keeps_the_outputs, doubling_is_the_transposed_convolution,
                   box_head_is_linear, masks_survive_their_encoding, cells_are_those_of_a_loop,
-                  the_iou_of_a_box_with_itself_is_one, the_trained_head_says_what_the_reference_says):
+                  the_iou_of_a_box_with_itself_is_one, the_trained_head_says_what_the_reference_says,
+                  coordinate_attention_starts_as_the_identity):
         good = check()
         failed |= not good
         print("ok    " if good else "FAILED", check.__name__.replace("_", " "))

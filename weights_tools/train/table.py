@@ -2,6 +2,7 @@
 """Tables of several trainings: mean and spread (sample standard deviation) of their COCO numbers, in per cent.
 
   table.py baseline=out/baseline_1,out/baseline_2 attention=out/attention_1,out/attention_2
+  table.py --file ap_people.json yolov5n=out/yolov5n_1 afnet=out/afnet_1
 """
 import json
 import pathlib
@@ -40,13 +41,18 @@ def markdown(table):
 
 
 def main():
-    if len(sys.argv) < 2 or "=" not in sys.argv[1]:
+    arguments, file = sys.argv[1:], "ap.json"
+    if arguments[:1] == ["--file"] and len(arguments) > 1:
+        file, arguments = arguments[1], arguments[2:]
+    if not arguments or not all("=" in a for a in arguments):
         raise SystemExit(__doc__)
     runs = {}
-    for argument in sys.argv[1:]:
+    for argument in arguments:
         name, folders = argument.split("=", 1)
-        runs[name] = [json.loads((pathlib.Path(f) / "ap.json").read_text()) for f in folders.split(",")]
+        runs[name] = [json.loads((pathlib.Path(f) / file).read_text()) for f in folders.split(",")]
     for kind, title in (("bbox", "Boxes"), ("segm", "Masks")):
+        if kind not in next(iter(runs.values()))[0]:
+            continue
         print(f"{title}\n\n{markdown(list(rows(runs, kind)))}\n")
         if "occlusion" in next(iter(runs.values()))[0]:
             print(f"{title}, AP by hidden share (objects)\n\n{markdown(list(occlusion_rows(runs, kind)))}\n")

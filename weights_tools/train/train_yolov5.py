@@ -5,7 +5,7 @@
   train_yolov5.py ... --attention --fusion --init out/office/weights.safetensors --out out/afnet
 
 --attention and --fusion are the two parts of AFNET (coordinate attention and ASFF). Where the weights of --init lack
-them, they begin neutral: as if they were not there.
+them, they begin near neutral (yolov5_loss.py, start).
 
 Run again with the same --out, it goes on from the last checkpoint: order of the images and changes to them depend on
 the seed and the step alone. Writes to --out:

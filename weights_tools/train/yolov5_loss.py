@@ -37,9 +37,10 @@ def build(classes, attention=False, fusion=False):
 
 
 def start(network, state):
-    """Loads `state`; parts of AFNET that it lacks begin neutral. Gates of attention are 1/2 each, and the norm before
-    them gives four times as much. A level's share in its own mixture is e^2 / (e^2 + 2) = 0.79, that of the others 0.11,
-    and the head multiplies by 1 / 0.79. What still differs is LeakyReLU for SiLU in the units with attention."""
+    """Loads `state`; parts of AFNET that it lacks begin near neutral. Gates of attention are 1/2 each, and the norm before
+    them gives four times as much: LeakyReLU lets the factor through. A level's share in its own mixture is
+    e^2 / (e^2 + 2) = 0.79, that of the others 0.11, and the head multiplies by 1 / 0.79. What differs from the network
+    of `state` is LeakyReLU for SiLU in the units with attention, and what the other levels bring at random."""
     own = network.state_dict()
     superfluous = [name for name in state if name not in own]
     if superfluous:
