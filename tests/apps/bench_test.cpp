@@ -55,7 +55,7 @@ TEST(Bench, DetectorsAreComparedWithTheFirst) {
   ASSERT_EQ(result["networks"].size(), 2U);
   EXPECT_EQ(result["networks"][1]["network"], "YOLOv5n");
   EXPECT_EQ(result["networks"][0]["median_ratio"], 1.0);
-  EXPECT_GT(result["networks"][1]["fastest_ms"], 0.0);
+  EXPECT_GT(result["networks"][1]["processor_ms"], 0.0);
 }
 
 TEST(Bench, ImageOperationsAreTimedOneByOne) {
