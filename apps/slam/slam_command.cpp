@@ -61,9 +61,10 @@ void add_slam_command(CLI::App& app) {
   command->add_option("--sequence", options->sequence,
                       "which one, where the folder holds several, such as 00");
   command
-      ->add_option("--weights", options->weights,
-                   "Mask R-CNN or YOLOv5 weights: what moves is left out; of YOLOv5 without masks with "
-                   "--dynamics depth-clusters")
+      ->add_option(
+          "--weights", options->weights,
+          "Mask R-CNN, YOLOv5 or AFNET weights: what moves is left out; of YOLOv5 without masks with "
+          "--dynamics depth-clusters")
       ->type_name("FILE");
   command
       ->add_option("--masks", options->masks,

@@ -70,7 +70,8 @@ void multiply_gates(FeatureMap& map, const FeatureMap& row_gates, const FeatureM
   for (int n = 0; n < map.images(); ++n) {
     for (int b = 0; b < map.blocks(); ++b) {
       for (int y = 0; y < map.height(); ++y) {
-        const float* row = row_gates.pixel(n, b, 0, y);
+        float row[kBlock];  // a copy, which stays in registers
+        std::copy_n(row_gates.pixel(n, b, 0, y), kBlock, row);
         const float* column = column_gates.pixel(n, b, 0, map.height());
         const float* x = kShortcut ? shortcut->pixel(n, b, y, 0) : nullptr;
         float* f = map.pixel(n, b, y, 0);
