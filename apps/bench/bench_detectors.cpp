@@ -97,7 +97,7 @@ void add_detectors_benchmark(CLI::App& bench) {
   command->footer(
       "Example:\n"
       "  penumbra bench detectors weights_tools/models/penumbra-office.safetensors \\\n"
-      "    weights_tools/models/penumbra-tiny.safetensors --threads 1\n");
+      "    weights_tools/models/penumbra-afnet.safetensors --threads 1\n");
   command->callback([options] { bench_detectors(*options); });
 }
 
