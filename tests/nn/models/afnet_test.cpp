@@ -22,7 +22,8 @@
 namespace penumbra::nn {
 namespace {
 
-constexpr float kLeastScore = 0.25F;  // of the fixtures
+constexpr float kLeastScore = 0.25F;  // of the fixtures,
+constexpr int kLongestSide = 640;     // and their images' size at the network
 
 test::RandomYolov5 small_afnet() { return {0.125, 1.0 / 3.0, 3, false, false, true, true}; }
 
@@ -41,6 +42,7 @@ TEST_P(AfnetTest, WeightsThatShipFindInAnOfficeWhatPyTorchFinds) {
     SCOPED_TRACE(expected["weights"]);
     NetworkConfig config;
     config.yolov5.score_threshold = kLeastScore;
+    config.yolov5.max_size = kLongestSide;
     const auto network = make_network(
         weights_tools::load_weights(test::source_path(expected["weights"].get<std::string>())), config);
     const ByteImage image =
@@ -114,6 +116,7 @@ TEST(Afnet, LowPrecisionFindsTheSameInAnOffice) {
   InputRanges ranges;
   Yolov5Config config;
   config.score_threshold = 0.1F;
+  config.max_size = kLongestSide;
   config.precision.observed = &ranges;
   const std::vector<Detection> exact = Yolov5(weights, config)(image);
   EXPECT_TRUE(ranges.contains("asff.1.resize.0"));
