@@ -1,6 +1,7 @@
 #include "slam/dynamics/static_points.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace penumbra::slam {
@@ -126,16 +127,24 @@ void StaticPoints::judge(const FrameRecord& earlier, const SE3& T_c_k, const Fea
   }
 }
 
-// Of the judged features around it. One that moves may have found a match by chance, its neighbours have not.
-bool StaticPoints::neighbours_agree(const FeatureView& features, int feature) const {
+// Whether it stands, by itself and by the judged features around it at a like depth. One that moves may have
+// found a match by chance, its neighbours have not; one that found none stands if all around it does.
+bool StaticPoints::stands(const FeatureView& features, int feature) const {
+  const Verdict own = verdicts_[static_cast<std::size_t>(feature)];
+  if (own == Verdict::moves) return false;
   const FeaturePixel at = features.pixel(feature);
+  const float depth = features.depth(feature);
   int judged = 0, standing = 0;
   features.measured().grid.visit_near(at.u, at.v, static_cast<float>(settings_.neighbourhood), [&](int i) {
     const Verdict verdict = verdicts_[static_cast<std::size_t>(i)];
+    const float other = features.depth(i);
+    if (depth > 0.0F && other > 0.0F && std::abs(other - depth) > settings_.like_depth * depth) return;
     judged += verdict != Verdict::unknown;
     standing += verdict == Verdict::stands;
   });
-  return judged >= settings_.fewest_neighbours && standing >= settings_.agreeing_share * judged;
+  const double needed =
+      own == Verdict::stands ? settings_.agreeing_share : settings_.agreeing_share_unmatched;
+  return judged >= settings_.fewest_neighbours && standing >= needed * judged;
 }
 
 bool StaticPoints::between_poses(const FrameBetweenPoses& frame, std::vector<char>& movable) {
@@ -151,8 +160,11 @@ bool StaticPoints::between_poses(const FrameBetweenPoses& frame, std::vector<cha
   find_marked_places(marked);
   verdicts_.assign(movable.size(), Verdict::unknown);
   judge(*earlier, now.T_co * earlier->T_co.inverse(), FeatureView(*now.features, *frame.pixels, {}), movable);
+  back_.clear();
   for (int i = 0; i < marked.size(); ++i) {
-    if (verdicts_[static_cast<std::size_t>(i)] != Verdict::stands || !neighbours_agree(marked, i)) continue;
+    if (marked.is_movable(i) && stands(marked, i)) back_.push_back(i);
+  }
+  for (const int i : back_) {
     movable[static_cast<std::size_t>(i)] = 0;
     ++count_.given_back;
   }

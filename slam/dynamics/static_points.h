@@ -10,8 +10,9 @@
 //     -> those that stand still join; second pose, from the first
 //
 // The earlier view is the newest located frame that is old enough for a walk to show, a third of a second. A
-// feature that finds no match there, or has no judged neighbours, stays left out: what is not known to stand
-// is taken to move. Poses are odometry's. One thread uses it; it repeats bit for bit.
+// feature that finds no match there stands if all around it does; without judged neighbours it stays left
+// out: what is not known to stand is taken to move. Poses are odometry's. One thread uses it; it repeats bit
+// for bit.
 //
 // Cost: below 1 ms for 500 features on what can move; nothing where there are none.
 #pragma once
@@ -33,8 +34,10 @@ struct StaticPointSettings {
   int fewest_others = 100;                    // features with depth that must remain where that is left out
   double search_radius = 10.0;                // pixels at level 0
   double neighbourhood = 40.0;                // pixels
+  double like_depth = 0.1;                    // of the depth, by which neighbours may differ
   int fewest_neighbours = 3;                  // judged, the feature among them
-  double agreeing_share = 0.7;                // of them that must stand still
+  double agreeing_share = 0.6;                // of them that must stand still ...
+  double agreeing_share_unmatched = 0.75;     // ... around a feature without a match
 };
 
 // How many features were left out, found in the earlier view, and given back.
@@ -61,7 +64,7 @@ class StaticPoints : public Dynamics {
   bool is_near_marked(const Eigen::Vector2d& pixel) const;
   void judge(const FrameRecord& earlier, const SE3& T_c_k, const FeatureView& now,
              const std::vector<char>& movable);
-  bool neighbours_agree(const FeatureView& features, int feature) const;
+  bool stands(const FeatureView& features, int feature) const;
 
   const StereoCamera camera_;
   const std::vector<double> scales_;
@@ -71,6 +74,7 @@ class StaticPoints : public Dynamics {
   std::vector<int> front_;               // features whose neighbours are to be left out
   std::vector<char> grown_;              // per feature, as `movable`
   std::vector<Verdict> verdicts_;        // per feature
+  std::vector<int> back_;                // features that are given back
   std::vector<char> taken_;              // per feature: not to be matched
   std::vector<char> marked_places_;      // per cell of the image
   std::vector<Projection> projections_;  // of the earlier view's points

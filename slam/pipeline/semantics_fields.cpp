@@ -87,8 +87,10 @@ void add(FieldList f, StaticPointSettings& s) {
   f.count("fewest_others", s.fewest_others, "features");
   f.pixels("search_radius", s.search_radius);
   f.pixels("neighbourhood", s.neighbourhood);
+  f.share("like_depth", s.like_depth);
   f.count("fewest_neighbours", s.fewest_neighbours, "features", 1.0);
   f.share("agreeing_share", s.agreeing_share);
+  f.share("agreeing_share_unmatched", s.agreeing_share_unmatched);
 }
 
 }  // namespace
