@@ -172,11 +172,12 @@ std::filesystem::path render_drive(const AblationCell& cell, const std::filesyst
 nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& drive,
                         const std::string& weights, const std::filesystem::path& pictures) {
   const auto dataset = slam::open_dataset(drive.string(), {});
-  const slam::SlamSettings settings = settings_of(cell);
+  slam::SlamSettings settings = settings_of(cell);
   slam::Segmenter segmenter;
   if (!weights.empty()) {
-    segmenter = make_segmenter(load_network(weights, "", slam_network_config()), dataset->camera(),
-                               settings.semantics);
+    const LoadedNetwork loaded = load_network(weights, "", slam_network_config());
+    settings.semantics.instances.least_score = least_score_of(loaded);
+    segmenter = make_segmenter(loaded, dataset->camera(), settings.semantics);
   } else if (cell.masks != MaskSource::none && cell.masks != MaskSource::movers) {
     segmenter = make_segmenter(drive / (cell.is_office() ? "instances" : "sequences/00/instances"),
                                dataset->camera(), settings.semantics);

@@ -27,6 +27,13 @@ std::vector<NamedWeights> named_weights(const std::vector<std::string>& texts) {
       weights.push_back({text.substr(0, equals), text.substr(equals + 1)});
     }
   }
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (weights[i].name == weights[j].name)
+        throw UsageError(
+            fmt::format("--weights: two networks named '{}'; name them, NAME=FILE", weights[i].name));
+    }
+  }
   return weights;
 }
 

@@ -19,7 +19,7 @@ struct NamedWeights {
   std::string name, file;
 };
 
-// Of NAME=FILE or FILE, whose name it then has.
+// Of NAME=FILE or FILE, whose name it then has. UsageError for two of the same name.
 std::vector<NamedWeights> named_weights(const std::vector<std::string>& texts);
 
 // Adds the cell, with every network where it takes masks or boxes of one. UsageError where it needs one and

@@ -58,6 +58,11 @@ nn::NetworkConfig slam_network_config() {
   return config;
 }
 
+double least_score_of(const LoadedNetwork& loaded) {
+  constexpr double kOfBoxes = 0.3;
+  return loaded.network->has_masks() ? slam::InstanceTrackerSettings{}.least_score : kOfBoxes;
+}
+
 slam::Segmenter make_segmenter(const LoadedNetwork& loaded, const slam::StereoCamera& camera,
                                const slam::SemanticsSettings& settings) {
   const bool boxes = settings.depth_masks.masks != slam::InstanceMasks::detector;

@@ -18,6 +18,10 @@ nn::NetworkConfig slam_network_config();
 slam::Segmenter make_segmenter(const LoadedNetwork& loaded, const slam::StereoCamera& camera,
                                const slam::SemanticsSettings& settings);
 
+// Score below which the network's instances are left out, unless a user says otherwise: detectors that draw
+// boxes alone give people lower scores than Mask R-CNN does.
+double least_score_of(const LoadedNetwork& loaded);
+
 // The same of masks that are there already: their bounding boxes are the boxes.
 slam::Segmenter make_segmenter(const std::filesystem::path& masks, const slam::StereoCamera& camera,
                                const slam::SemanticsSettings& settings);

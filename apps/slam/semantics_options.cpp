@@ -28,6 +28,11 @@ void parse_segmentation(const std::string& text, slam::SemanticsSettings& semant
   semantics.interval = std::stoi(number);
 }
 
+// As --dynamics has it.
+std::string option_word(slam::InstanceMasks masks) {
+  return masks == slam::InstanceMasks::dbscan ? "static-points" : slam::word_of(masks);
+}
+
 // --dynamics and what belongs to it.
 void set_masks(const SlamOptions& options, slam::SemanticsSettings& semantics) {
   slam::DepthMaskSettings& masks = semantics.depth_masks;
@@ -64,9 +69,11 @@ bool has_a_say(const SlamOptions& options, const char* name) {
 void set_semantics(const SlamOptions& options, slam::SemanticsSettings& semantics) {
   const auto says = [&](const char* name) { return has_a_say(options, name); };
   if (says("--segmentation")) parse_segmentation(options.segmentation, semantics);
+  if (options.least_score) semantics.instances.least_score = *options.least_score;
   set_masks(options, semantics);
   set_static_points(options, semantics);
-  if (says("--moving")) {
+  // What follows from --dynamics or --static-points follows beside a file of settings, too.
+  if (says("--moving") || options.given.contains("--dynamics") || options.given.contains("--static-points")) {
     const bool by_boxes = semantics.depth_masks.masks != slam::InstanceMasks::detector;
     const bool by_points = semantics.static_points.constraint.mode != slam::StaticPointMode::off;
     const bool by_class =
@@ -78,15 +85,19 @@ void set_semantics(const SlamOptions& options, slam::SemanticsSettings& semantic
 void check_semantics(const SlamOptions& options, const slam::StereoDataset& dataset,
                      const slam::SemanticsSettings& semantics) {
   const slam::InstanceMasks masks = semantics.depth_masks.masks;
+  if (semantics.static_points.constraint.mode != slam::StaticPointMode::off && options.weights.empty() &&
+      options.masks.empty()) {
+    throw UsageError("--static-points: needs --weights or --masks, whose points it gives back");
+  }
   if (masks == slam::InstanceMasks::detector || semantics.mode == slam::SegmentationMode::off) return;
   if (options.weights.empty() && options.masks.empty()) {
     throw UsageError(fmt::format("--dynamics {}: needs --weights, for the boxes of objects (or --masks)",
-                                 slam::word_of(masks)));
+                                 option_word(masks)));
   }
   if (masks != slam::InstanceMasks::boxes && dataset.sensor() != slam::Sensor::rgbd) {
     throw UsageError(fmt::format(
         "--dynamics {}: needs an RGB-D recording, and {} is a stereo recording, without depth{}",
-        options.dynamics, dataset.name(),
+        option_word(masks), dataset.name(),
         masks == slam::InstanceMasks::dbscan ? " (--static-points alone works with any masks)" : ""));
   }
 }

@@ -80,6 +80,11 @@ void add_slam_command(CLI::App& app) {
       ->capture_default_str()
       ->type_name("WHICH");
   command
+      ->add_option("--least-score", options->least_score,
+                   "objects with a lower score are ignored (default: 0.5; of detectors without masks 0.3)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SCORE");
+  command
       ->add_option("--dynamics", options->dynamics,
                    "an object's pixels: the detector's masks, what the depths in its box say (RGB-D; "
                    "static-points also gives back points that stand still), or all of the boxes")

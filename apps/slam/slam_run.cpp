@@ -228,7 +228,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
 
 void run_slam(const SlamOptions& options) {
   const std::optional<int> port = view_port(options.view);
-  const slam::SlamSettings settings = make_settings(options);
+  slam::SlamSettings settings = make_settings(options);
   slam::DatasetOptions from = dataset_options(options.dataset);
   from.sequence = options.sequence;
   from.cameras = parse_cameras(options.images);
@@ -243,6 +243,8 @@ void run_slam(const SlamOptions& options) {
   for (const std::string& note : dataset->notes()) log_warning("{}: {}", options.dataset.folder, note);
   run.warnings = dataset->notes();
   const std::optional<LoadedNetwork> loaded = find_network(options, settings.semantics);
+  if (loaded && !options.least_score && options.settings.empty())
+    settings.semantics.instances.least_score = least_score_of(*loaded);
   slam::Segmenter segmenter;
   check_semantics(options, *dataset, settings.semantics);
   if (loaded) segmenter = make_segmenter(*loaded, dataset->camera(), settings.semantics);
@@ -269,6 +271,11 @@ void run_slam(const SlamOptions& options) {
   record.finish();
   const ProcessUsage usage = process_usage();
   run.finished = true;
+  if (segmenter && record.instances().empty()) {
+    run.warnings.push_back(fmt::format("no object was found with a score of {:g} or more (--least-score)",
+                                       settings.semantics.instances.least_score));
+    log_warning("{}", run.warnings.back());
+  }
   run.cpu_seconds = usage.cpu_seconds - cpu_before;
   run.peak_rss_mb = usage.peak_rss_mb;
   warn_of_pieces(record);

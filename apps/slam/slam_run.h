@@ -27,7 +27,7 @@ struct SlamOptions {
   std::string repair = "modes", clusters = "grown", consistency = "on";  // of --dynamics depth-clusters
   std::string foreground = "adaptive", static_points = "off";            // of --dynamics static-points
   std::string view;                                                      // port, or kAnyViewPort; empty: none
-  std::optional<double> frame_rate;
+  std::optional<double> frame_rate, least_score;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false, dense = false;
   int features = 0, threads = omp_get_max_threads(), segmentation_threads = 0;

@@ -9,8 +9,8 @@
 //   T = lambda D + mu (Delta_d + Delta_z)                                                             (15)
 //
 // Mode `paper`: D > tau_D: it moves (lambda = 1, mu = 0). Else (lambda = 0, mu = 1) it moves where Delta_d >
-// tau_d or Delta_z > tau_z or, on the border of both, T > tau_T. The sum adds pixels to metres, as the paper
-// has it. The line alone cannot tell what moves along it, towards the camera above all: the depth does.
+// tau_d or Delta_z > tau_z or, where both are just below, T > tau_T. The sum adds pixels to metres, as the
+// paper has it. The line alone cannot tell what moves along it, towards the camera above all: the depth does.
 //
 // Mode `adaptive`: the same three figures, each in units of its own uncertainty,
 //
@@ -21,7 +21,7 @@
 // depths as they are measured (1/z has an even error, so sigma_z ~ z^2), propagated from K to C, plus what
 // the pose between the two may be wrong by. A point that is near or coarse may move more before it counts.
 //
-// Where camera has not moved the line is undefined and D is 0. Points without depth in C have no Delta_z.
+// Where the camera has not moved the line is undefined and D is 0. Points without depth in C have no Delta_z.
 // Cost: 0.2 us a point. Source: see slam/dynamics/rgbd/foreground_depths.h.
 #pragma once
 
@@ -41,11 +41,11 @@ struct DualConstraintSettings {
   double line_pixels = 1.5;    // tau_D
   double shift_pixels = 3.0;   // tau_d
   double depth_metres = 0.15;  // tau_z
-  double score = 2.5;          // tau_T
+  double score = 3.1;          // tau_T
   // Of `adaptive`: deviations at level 0.
-  double pixel_sigma = 0.7;      // pixels
-  double disparity_sigma = 0.2;  // pixels, of depth
-  double pose_sigma = 0.005;     // metres, of the pose between the views
+  double pixel_sigma = 0.5;      // pixels
+  double disparity_sigma = 0.1;  // pixels, of depth
+  double pose_sigma = 0.002;     // metres, of the pose between the views
 };
 
 // A point as one view has measured it.

@@ -8,8 +8,8 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr int kCell = 16;    // pixels
-constexpr int kFrames = 60;  // that are remembered
+constexpr int kCell = 16;     // pixels
+constexpr int kFrames = 120;  // that are remembered: a third of a second at 360 Hz
 
 }  // namespace
 
@@ -21,7 +21,8 @@ void StaticPoints::before_pose(const FrameBeforePose& frame, std::vector<char>& 
   count_ = {};
   if (settings_.constraint.mode == StaticPointMode::off) return;
   history_.begin(frame.index, frame.time, frame.features, frame.T_step);
-  add_companions(FeatureView(*frame.features, movable), movable);
+  // Where nothing can be given back nothing more is taken.
+  if (earlier_view() != nullptr) add_companions(FeatureView(*frame.features, movable), movable);
 }
 
 // From what can move to what is within reach of it, and once more from there: an arm's length and what is in
@@ -36,6 +37,7 @@ void StaticPoints::add_companions(const FeatureView& features, std::vector<char>
   for (int i = 0; i < features.size(); ++i) {
     if (features.is_movable(i) && features.has_stereo(i)) front_.push_back(i);
   }
+  if (front_.empty()) return;
   std::size_t from = 0;
   for (int round = 0; round < 2; ++round) {
     const std::size_t end = front_.size();
@@ -43,7 +45,8 @@ void StaticPoints::add_companions(const FeatureView& features, std::vector<char>
       const int i = front_[from];
       const Eigen::Vector3d p = point(i);
       const FeaturePixel pixel = features.pixel(i);
-      const double radius = camera_.fx * settings_.reach / p.z();
+      // What is nearer by as much is seen at a larger angle.
+      const double radius = camera_.fx * settings_.reach / std::max(settings_.reach, p.z() - settings_.reach);
       features.measured().grid.visit_near(pixel.u, pixel.v, static_cast<float>(radius), [&](int j) {
         char& mark = grown_[static_cast<std::size_t>(j)];
         if (mark != 0 || !features.has_stereo(j) || (point(j) - p).norm() > settings_.reach) return;
@@ -58,14 +61,15 @@ void StaticPoints::add_companions(const FeatureView& features, std::vector<char>
   if (others >= settings_.fewest_others) movable.swap(grown_);
 }
 
-// The newest one that is old enough.
+// The newest one that is old enough, of those that were located.
 const FrameRecord* StaticPoints::earlier_view() const {
   const FrameRecord& now = history_.newest();
   const auto& records = history_.records();
   for (auto at = records.rbegin() + 1; at != records.rend(); ++at) {
     const double age = seconds_between(*at, now);
-    if (age > settings_.longest_age || !at->reliable) return nullptr;
-    if (age >= settings_.least_age) return at->observed ? &*at : nullptr;
+    if (age > settings_.longest_age) return nullptr;
+    // A frame between them that was lost does no harm: its pose is a step on the way, whatever it is.
+    if (age >= settings_.least_age && at->observed && at->reliable) return &*at;
   }
   return nullptr;
 }

@@ -31,7 +31,7 @@ struct StaticPointSettings {
   DualConstraintSettings constraint;
   double least_age = 0.3, longest_age = 1.5;  // seconds, of the earlier view
   double reach = 0.4;                         // metres, from what can move to what may move along
-  int fewest_others = 100;                    // features with depth that must remain where that is left out
+  int fewest_others = 200;                    // features with depth that must remain where that is left out
   double search_radius = 10.0;                // pixels at level 0
   double neighbourhood = 40.0;                // pixels
   double like_depth = 0.1;                    // of the depth, by which neighbours may differ

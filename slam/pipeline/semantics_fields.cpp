@@ -78,8 +78,8 @@ void add(FieldList f, StaticPointSettings& s) {
   f.pixels("shift_pixels", s.constraint.shift_pixels);
   f.metres("depth_metres", s.constraint.depth_metres);
   f.number("score", s.constraint.score, "pixels and metres", 0.0, 1e4);
-  f.pixels("pixel_sigma", s.constraint.pixel_sigma);
-  f.pixels("disparity_sigma", s.constraint.disparity_sigma);
+  f.number("pixel_sigma", s.constraint.pixel_sigma, "pixels", 1e-3, 1e4);
+  f.number("disparity_sigma", s.constraint.disparity_sigma, "pixels", 1e-3, 1e4);
   f.metres("pose_sigma", s.constraint.pose_sigma);
   f.number("least_age", s.least_age, "seconds", 0.0, 60.0);
   f.number("longest_age", s.longest_age, "seconds", 0.0, 60.0);

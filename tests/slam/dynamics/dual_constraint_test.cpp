@@ -135,8 +135,8 @@ TEST(DualConstraint, LosesTheSameShareAtAllDepths) {
       const Eigen::Vector3d p(draw(random) * z, draw(random) * z, z);
       const auto measure = [&](const Eigen::Vector3d& q) {
         MeasuredPoint m = seen(q);
-        m.pixel += 0.7 * Eigen::Vector2d(normal(random), normal(random));
-        m.depth += q.z() * q.z() / (525.0 * 0.08) * 0.2 * normal(random);
+        m.pixel += settings.pixel_sigma * Eigen::Vector2d(normal(random), normal(random));
+        m.depth += q.z() * q.z() / (525.0 * 0.08) * settings.disparity_sigma * normal(random);
         return m;
       };
       const auto d = constraint.compare(measure(p), measure(T * p));
