@@ -257,7 +257,7 @@ void run_slam(const SlamOptions& options) {
 
   omp_set_num_threads(settings.threads);
   slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter, std::move(map));
-  slam::Recorder record(slam);
+  slam::Recorder record(slam, options.dense);
   std::optional<LiveView> view;
   if (!options.view.empty()) {
     view.emplace(port, run, dataset->size(), record);

@@ -29,7 +29,7 @@ void Recorder::keep(Findings findings) {
   for (KeyframeSightings& seen : findings.sightings) sightings_[seen.frame] = std::move(seen.sightings);
   std::move(findings.gone.begin(), findings.gone.end(), std::back_inserter(gone_));
   for (SegmentedFrame& found : findings.segmented) {
-    if (!is_keyframe(found.frame)) continue;
+    if (!keeps_masks_ || !is_keyframe(found.frame)) continue;
     for (Instance& instance : found.instances) {
       const Size half{std::max(1, instance.mask.width() / 2), std::max(1, instance.mask.height() / 2)};
       if (!instance.mask.empty()) instance.mask = resize_nearest<std::uint8_t>(instance.mask, half);
