@@ -1,6 +1,5 @@
 #include "slam/sources/image_pairs.h"
 
-#include <algorithm>
 #include <cctype>
 #include <map>
 #include <optional>
@@ -80,7 +79,9 @@ std::vector<NamedImage> list_named(const std::filesystem::path& folder, std::vec
 }
 
 void take_any_side(std::vector<NamedImage>& images, std::span<const std::string_view> sides) {
-  std::any_of(sides.begin(), sides.end(), [&](std::string_view side) { return take_side(images, side); });
+  for (const std::string_view side : sides) {
+    if (take_side(images, side)) return;
+  }
 }
 
 struct NaturalLess {
