@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 #include "nn/base/error.h"
@@ -12,6 +11,7 @@
 #include "weights_tools/pickle_calls.h"
 #include "weights_tools/pickle_globals.h"
 #include "weights_tools/pickle_opcodes.h"
+#include "weights_tools/pickle_stack.h"
 
 namespace penumbra::weights_tools {
 
@@ -31,7 +31,7 @@ class PickleMachine {
       heap_.set_position(reader_.position());
       step(reader_.number<std::uint8_t>());
     }
-    heap_.object().root = pop();
+    heap_.object().root = stack_.pop();
     heap_.object().end = reader_.position();
     return std::move(heap_.object());
   }
@@ -49,12 +49,12 @@ class PickleMachine {
         return;
 
       case Opcode::kMark:
-        return marks_.push_back(stack_.size());
+        return stack_.mark();
       case Opcode::kPop:
-        pop();
+        stack_.pop();
         return;
       case Opcode::kPopMark:
-        return drop_to(pop_mark());
+        return stack_.drop_to(stack_.pop_mark());
 
       case Opcode::kNone:
         return push({.kind = ValueKind::none});
@@ -95,34 +95,33 @@ class PickleMachine {
       case Opcode::kEmptyTuple:
         return push({.kind = ValueKind::tuple});
       case Opcode::kTuple:
-        return push_tuple(pop_mark());
+        return stack_.push_tuple(stack_.pop_mark());
       case Opcode::kTuple1:
-        return push_tuple(below_top(1));
+        return stack_.push_tuple(stack_.below_top(1));
       case Opcode::kTuple2:
-        return push_tuple(below_top(2));
+        return stack_.push_tuple(stack_.below_top(2));
       case Opcode::kTuple3:
-        return push_tuple(below_top(3));
+        return stack_.push_tuple(stack_.below_top(3));
 
       case Opcode::kEmptyList:
         return push({.kind = ValueKind::list});
       case Opcode::kAppend:
-        return append_from(below_top(1), ValueKind::list);
+        return stack_.append_from(stack_.below_top(1), ValueKind::list);
       case Opcode::kAppends:
-        return append_from(pop_mark(), ValueKind::list);
+        return stack_.append_from(stack_.pop_mark(), ValueKind::list);
       case Opcode::kEmptyDict:
         return push({.kind = ValueKind::dict});
       case Opcode::kSetItem:
-        return append_from(below_top(2), ValueKind::dict);
+        return stack_.append_from(stack_.below_top(2), ValueKind::dict);
       case Opcode::kSetItems:
-        return append_from(pop_mark(), ValueKind::dict);
+        return stack_.append_from(stack_.pop_mark(), ValueKind::dict);
       case Opcode::kEmptySet:
         return push({.kind = ValueKind::set});
       case Opcode::kAddItems:
-        return append_from(pop_mark(), ValueKind::set);
+        return stack_.append_from(stack_.pop_mark(), ValueKind::set);
       case Opcode::kFrozenSet: {
-        const std::size_t begin = pop_mark();
-        push_tuple(begin);
-        heap_[top()].kind = ValueKind::set;
+        stack_.push_tuple(stack_.pop_mark());
+        heap_[stack_.top()].kind = ValueKind::set;
         return;
       }
 
@@ -133,27 +132,27 @@ class PickleMachine {
       case Opcode::kMemoize:
         return put(memo_.size());
       case Opcode::kBinGet:
-        return get(reader_.number<std::uint8_t>());
+        return stack_.push(memo_.get(reader_.number<std::uint8_t>()));
       case Opcode::kLongBinGet:
-        return get(reader_.number<std::uint32_t>());
+        return stack_.push(memo_.get(reader_.number<std::uint32_t>()));
 
       case Opcode::kGlobal: {
         const std::string_view module = reader_.line(kLongestGlobalName);
         return push_global(module, reader_.line(kLongestGlobalName));
       }
       case Opcode::kStackGlobal: {
-        const std::string_view name = pop_text("a global's name");
-        return push_global(pop_text("a global's module"), name);
+        const std::string_view name = stack_.pop_text("a global's name");
+        return push_global(stack_.pop_text("a global's module"), name);
       }
       case Opcode::kReduce:
       case Opcode::kNewObj: {
-        const ValueId arguments = pop(), function = pop();
-        return stack_.push_back(call(heap_, function, arguments));
+        const ValueId arguments = stack_.pop(), function = stack_.pop();
+        return stack_.push(call(heap_, function, arguments));
       }
       case Opcode::kNewObjEx: {
-        pop();  // arguments by name, which no object keeps
-        const ValueId arguments = pop(), function = pop();
-        return stack_.push_back(call(heap_, function, arguments));
+        stack_.pop();  // arguments by name, which no object keeps
+        const ValueId arguments = stack_.pop(), function = stack_.pop();
+        return stack_.push(call(heap_, function, arguments));
       }
       case Opcode::kBuild:
         return build();
@@ -168,7 +167,7 @@ class PickleMachine {
         heap_.fail(kNeededOperation, fmt::format("PERSID '{}' (protocol 0; nothing was executed)",
                                                  printable(reader_.line(kLongestGlobalName))));
       case Opcode::kBinPersId:
-        return stack_.push_back(find_storage(heap_, pop()));
+        return stack_.push(find_storage(heap_, stack_.pop()));
     }
     heap_.fail(kNeededOperation,
                fmt::format("opcode 0x{:02x} '{}' (nothing was executed)", opcode,
@@ -187,37 +186,7 @@ class PickleMachine {
     }
   }
 
-  // The stack. A mark hides what lies below it until it is popped.
-  std::size_t floor() const { return marks_.empty() ? 0 : marks_.back(); }
-
-  // The stack height without its `count` top values.
-  std::size_t below_top(std::size_t count) const {
-    if (stack_.size() - floor() < count) {
-      heap_.fail(fmt::format("{} values on the stack", count), fmt::format("{}", stack_.size() - floor()));
-    }
-    return stack_.size() - count;
-  }
-
-  ValueId top() const { return stack_[below_top(1)]; }
-
-  ValueId pop() {
-    const ValueId value = top();
-    stack_.pop_back();
-    return value;
-  }
-
-  std::string_view pop_text(std::string_view what) { return heap_.expect(pop(), ValueKind::text, what).text; }
-
-  std::size_t pop_mark() {
-    if (marks_.empty()) heap_.fail("a mark on the stack", "none");
-    const std::size_t height = marks_.back();
-    marks_.pop_back();
-    return height;
-  }
-
-  void drop_to(std::size_t height) { stack_.resize(height); }
-
-  void push(Value value) { stack_.push_back(heap_.add(std::move(value))); }
+  void push(Value value) { stack_.push(heap_.add(std::move(value))); }
   void push_integer(std::int64_t number) { push({.kind = ValueKind::integer, .number = number}); }
   void push_text(std::uint64_t length) { push({.kind = ValueKind::text, .text = reader_.text(length)}); }
 
@@ -241,45 +210,7 @@ class PickleMachine {
     push({.kind = ValueKind::real, .number = static_cast<std::int64_t>(bits)});
   }
 
-  void push_tuple(std::size_t begin) {
-    Value tuple{.kind = ValueKind::tuple};
-    tuple.items.assign(stack_.begin() + static_cast<std::ptrdiff_t>(begin), stack_.end());
-    drop_to(begin);
-    push(std::move(tuple));
-  }
-
-  // Moves the values from `begin` upwards into the container below them. An object of a class that is a dict
-  // keeps keys and values as it keeps attributes; one that is a list or a set keeps nothing.
-  void append_from(std::size_t begin, ValueKind kind) {
-    if (begin <= floor()) heap_.fail(fmt::format("{} below the values", to_string(kind)), "nothing");
-    const ValueId container = stack_[begin - 1];
-    const bool is_object = heap_[container].kind == ValueKind::object;
-    if (!is_object || kind == ValueKind::dict) {
-      if (!is_object) heap_.expect(container, kind, "the container");
-      if (kind == ValueKind::dict && (stack_.size() - begin) % 2 != 0) {
-        heap_.fail("keys and values in pairs", "a key without a value");
-      }
-      for (std::size_t i = begin; i < stack_.size(); ++i) heap_.append(container, stack_[i]);
-    }
-    drop_to(begin);
-  }
-
-  // Pickles number what they store from 0 upwards, so a table suffices.
-  void put(std::size_t index) {
-    if (index >= kMostPickledValues) {
-      heap_.fail(fmt::format("a memo index below {}", kMostPickledValues), fmt::format("{}", index));
-    }
-    const ValueId value = top();
-    if (index >= memo_.size()) memo_.resize(index + 1, kNothing);
-    memo_[index] = value;
-  }
-
-  void get(std::size_t index) {
-    if (index >= memo_.size() || memo_[index] == kNothing) {
-      heap_.fail("a value that was stored before", fmt::format("memo {}", index));
-    }
-    stack_.push_back(memo_[index]);
-  }
+  void put(std::size_t index) { memo_.put(index, stack_.top()); }
 
   void push_global(std::string_view module, std::string_view name) {
     push({.kind = ValueKind::global, .global = allowed_global(module, name), .text = name});
@@ -296,17 +227,14 @@ class PickleMachine {
   }
 
   void build() {
-    const ValueId state = pop();
-    heap_.set_attributes(top(), state);
+    const ValueId state = stack_.pop();
+    heap_.set_attributes(stack_.top(), state);
   }
-
-  static constexpr ValueId kNothing = std::numeric_limits<ValueId>::max();
 
   PickleHeap heap_;
   ByteReader reader_;
-  std::vector<ValueId> stack_;
-  std::vector<std::size_t> marks_;  // heights of the stack
-  std::vector<ValueId> memo_;       // by index; kNothing where nothing was stored
+  PickleStack stack_{heap_};
+  PickleMemo memo_{heap_};
   bool stopped_ = false;
 };
 

@@ -1,10 +1,10 @@
 #include "slam/dynamics/instance_tracker.h"
 
 #include <algorithm>
-#include <map>
 
 #include "slam/dynamics/instance_association.h"
 #include "slam/dynamics/movable.h"
+#include "slam/dynamics/track_report.h"
 
 namespace penumbra::slam {
 
@@ -21,16 +21,6 @@ std::vector<PointOrigin> carried_origins(const InstanceView& view, const std::ve
   std::vector<PointOrigin> now(carried.view.features.size());
   for (const auto& [i, j] : carried.matches) now[place_of(carried.view, j)] = origins[place_of(view, i)];
   return now;
-}
-
-// Calls visit(track, view) for what `frame` shows.
-template <typename Visit>
-void visit_views(const std::vector<Track>& tracks, int frame, Visit&& visit) {
-  for (const Track& track : tracks) {
-    for (const InstanceView& view : track.views) {
-      if (view.frame == frame) visit(track, view);
-    }
-  }
 }
 
 }  // namespace
@@ -275,37 +265,12 @@ MapEdits InstanceTracker::take_edits() {
 }
 
 std::vector<KeyframeObjects> InstanceTracker::take_keyframe_objects() {
-  std::map<int, std::vector<SeenObject>> seen;  // by frame
-  for (const FrameRecord& record : history_.records()) {
-    if (record.keyframe != nullptr) seen[record.index];
-  }
-  for (const Track& track : tracks_) {
-    for (const InstanceView& view : track.views) {
-      const auto at = seen.find(view.frame);
-      if (at != seen.end()) at->second.push_back(seen_object(track, view));
-    }
-  }
-  std::vector<KeyframeObjects> changed;
-  for (FrameRecord& record : history_.records()) {
-    if (record.keyframe == nullptr || record.told == seen[record.index]) continue;
-    record.told = seen[record.index];
-    changed.push_back({record.keyframe, record.told});
-  }
-  return changed;
-}
-
-SeenObject InstanceTracker::seen_object(const Track& track, const InstanceView& view) const {
-  return {first_number_ + track.instance.id, track.instance.class_name, view.centre, view.region,
-          belief_.stands(track.instance)};
+  return tell_keyframe_objects(history_, tracks_, belief_, first_number_);
 }
 
 std::vector<SeenObject> InstanceTracker::objects() const {
-  std::vector<SeenObject> objects;
-  if (history_.empty()) return objects;
-  visit_views(tracks_, history_.newest().index, [&](const Track& track, const InstanceView& view) {
-    objects.push_back(seen_object(track, view));
-  });
-  return objects;
+  if (history_.empty()) return {};
+  return seen_objects(tracks_, history_.newest().index, belief_, first_number_);
 }
 
 std::vector<TrackedInstance> InstanceTracker::instances() const {
@@ -315,18 +280,7 @@ std::vector<TrackedInstance> InstanceTracker::instances() const {
 }
 
 double InstanceTracker::covered_share() const {
-  ByteImage covered;
-  for (const Track& track : tracks_) {
-    if (!track.active || !track.moves() || (trusted_ && !track.instance.measured)) continue;
-    if (covered.empty()) covered = ByteImage::filled(camera_.width, camera_.height, 0);
-    const InstanceView& view = track.views.back();
-    for (int y = 0; y < view.region.height; ++y) {
-      const std::uint8_t* mask = view.mask.row(y);
-      std::uint8_t* row = covered.row(view.region.y + y) + view.region.x;
-      for (int x = 0; x < view.region.width; ++x) row[x] |= mask[x];
-    }
-  }
-  return covered.empty() ? 0.0 : count_pixels(covered) / static_cast<double>(covered.elements());
+  return moving_share(tracks_, camera_.width, camera_.height, /*proven=*/trusted_);
 }
 
 std::vector<InstanceSighting> InstanceTracker::sightings() const {
@@ -334,12 +288,7 @@ std::vector<InstanceSighting> InstanceTracker::sightings() const {
 }
 
 std::vector<InstanceSighting> InstanceTracker::sightings(int frame) const {
-  std::vector<InstanceSighting> seen;
-  visit_views(tracks_, frame, [&](const Track& track, const InstanceView& view) {
-    seen.push_back({track.instance.id, view.region, view.mask, view.centre, track.instance.state(),
-                    track.instance.visible_share});
-  });
-  return seen;
+  return sightings_in(tracks_, frame);
 }
 
 }  // namespace penumbra::slam

@@ -6,7 +6,8 @@
 //                 follows them from frame k to the newest one, and says which features of keyframes change
 //
 // It is made of tracks (track.h), the history of the last frames (frame_history.h), what is believed of an
-// object's motion (motion_belief.h), and the association of instances with objects (instance_association.h).
+// object's motion (motion_belief.h), the association of instances with objects (instance_association.h), and
+// what is told of the objects (track_report.h).
 // What comes of it are marks of features, before the pose, and edits to the map.
 //
 // Until there is evidence of its motion, also from the frames before it was found, an object of a class that
@@ -83,7 +84,6 @@ class InstanceTracker : public Dynamics {
   void place(Track& track, const InstanceView& view, bool is_new);
   void mark(const Track& track, FrameRecord& at, const InstanceView& view);
   bool can_spare(const FeatureView& features, const std::vector<int>& spared) const;
-  SeenObject seen_object(const Track& track, const InstanceView& view) const;
 
   const StereoCamera camera_;
   const InstanceTrackerSettings settings_;
