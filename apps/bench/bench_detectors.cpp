@@ -2,7 +2,6 @@
 // slows all of them.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <ctime>
 #include <memory>
 #include <string>
@@ -11,6 +10,7 @@
 #include "apps/bench/benchmark.h"
 #include "apps/network/load_network.h"
 #include "apps/network/network_options.h"
+#include "nn/base/quantile.h"
 #include "nn/base/stopwatch.h"
 
 namespace penumbra::apps {
@@ -24,21 +24,12 @@ struct DetectorsBenchmarkOptions {
   nn::NetworkConfig network;
 };
 
-// Of the time that one detection takes, all repeats.
-struct Times {
-  std::vector<double> milliseconds;
-  double median() const {
-    std::vector<double> sorted = milliseconds;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[sorted.size() / 2];
-  }
-};
-
 struct Contender {
   LoadedNetwork loaded;
   nn::Arena arena;
   std::vector<nn::Detection> detections;
-  Times wall, processor;  // processor: of all threads, also those that wait
+  std::vector<double> wall,
+      processor;  // milliseconds of each repeat; processor: of all threads, also those that wait
 };
 
 void bench_detectors(const DetectorsBenchmarkOptions& options) {
@@ -54,9 +45,8 @@ void bench_detectors(const DetectorsBenchmarkOptions& options) {
       const std::clock_t before = std::clock();
       contender->loaded.network->detect(image, contender->arena, contender->detections);
       if (repeat < 0) continue;
-      contender->processor.milliseconds.push_back(1e3 * static_cast<double>(std::clock() - before) /
-                                                  CLOCKS_PER_SEC);
-      contender->wall.milliseconds.push_back(stopwatch.milliseconds());
+      contender->processor.push_back(1e3 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
+      contender->wall.push_back(stopwatch.milliseconds());
     }
   }
   const double peak = peak_gflops();
@@ -65,9 +55,9 @@ void bench_detectors(const DetectorsBenchmarkOptions& options) {
   if (!options.common.json) print_machine(peak);
   for (const auto& contender : contenders) {
     const Contender& first = *contenders.front();
-    const double wall = contender->wall.median(), processor = contender->processor.median();
-    const double ratio = wall / first.wall.median();
-    const double processor_ratio = processor / first.processor.median();
+    const double wall = quantile_of(contender->wall, 0.5), processor = quantile_of(contender->processor, 0.5);
+    const double ratio = wall / quantile_of(first.wall, 0.5);
+    const double processor_ratio = processor / quantile_of(first.processor, 0.5);
     result["networks"].push_back({{"weights", contender->loaded.source},
                                   {"network", contender->loaded.network->name()},
                                   {"median_ms", wall},

@@ -6,8 +6,6 @@
 
 #include "apps/common/commands.h"
 #include "apps/common/image_size.h"
-#include "apps/common/log.h"
-#include "apps/common/progress_bar.h"
 #include "apps/slam/ablation_cells.h"
 #include "apps/slam/ablation_tables.h"
 #include "nn/base/error.h"
@@ -54,8 +52,7 @@ std::vector<AblationCell> list_cells(const AblateOptions& options, const std::ve
           cell.size = drive_size(!options.size.empty() ? options.size
                                  : cell.is_office()    ? "640x480"
                                                        : "620x188");
-          for (cell.run = options.runs > 0 ? 1 : 0; cell.run <= options.runs; ++cell.run)
-            add_cells(cell, weights, cells);
+          add_cells(cell, options.runs, weights, cells);
         }
       }
     }
@@ -66,15 +63,7 @@ std::vector<AblationCell> list_cells(const AblateOptions& options, const std::ve
 void run_ablate(const AblateOptions& options) {
   const std::vector<NamedWeights> weights = named_weights(options.weights);
   const std::vector<AblationCell> cells = list_cells(options, weights);
-  prepare_cells(options.out);
-  nlohmann::json results = nlohmann::json::array();
-  ProgressBar progress("Ablation", static_cast<int>(cells.size()), "cells");
-  for (const AblationCell& cell : cells) {
-    results.push_back(result_of(cell, options.out, weights));
-    log_info("{}: ATE {:.3f} m", cell.name(), results.back()["ate_m"].get<double>());
-    progress.update(static_cast<int>(results.size()));
-  }
-  const nlohmann::json rows = summarise_cells(results);
+  const nlohmann::json rows = run_cells("Ablation", cells, options.out, weights);
   const std::string office = format_office_table(rows);
   const std::string table = format_table(rows) + (office.empty() ? "" : "\n" + office);
   nn::write_file(options.out / "ablation.md", table);
@@ -120,11 +109,7 @@ Cells that are in the --out folder already are not run again. Writes ablation.md
   command->add_option("--segmentation", options->segmentation, "frames that are segmented")
       ->check(CLI::IsMember({"keyframes", "all"}))
       ->capture_default_str();
-  command
-      ->add_option("--runs", options->runs,
-                   "run each cell so often with all threads (default: once, deterministic)")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N");
+  add_runs_option(command, options->runs);
   command->add_flag("--json", options->json, "the table as JSON on stdout");
   command->callback([options] { run_ablate(*options); });
 }

@@ -6,6 +6,7 @@
 //                          became of the features of the frame with the most on people
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -22,15 +23,17 @@ struct NamedWeights {
 // Of NAME=FILE or FILE, whose name it then has. UsageError for two of the same name.
 std::vector<NamedWeights> named_weights(const std::vector<std::string>& texts);
 
-// Adds the cell, with every network where it takes masks or boxes of one. UsageError where it needs one and
-// there is none.
-void add_cells(AblationCell cell, const std::vector<NamedWeights>& weights, std::vector<AblationCell>& cells);
+// Adds the cell, `runs` times or, where that is 0, once and deterministic, with every network where it takes
+// masks or boxes of one. UsageError where it needs one and there is none.
+void add_cells(AblationCell cell, int runs, const std::vector<NamedWeights>& weights,
+               std::vector<AblationCell>& cells);
 
-// Makes the folders below `out`; throws Error where they cannot be made.
-void prepare_cells(const std::filesystem::path& out);
+// Runs the cells whose results are not in their files yet, and says how far it is, as `title`; returns the
+// rows of the table (summarise_cells).
+nlohmann::json run_cells(const std::string& title, const std::vector<AblationCell>& cells,
+                         const std::filesystem::path& out, const std::vector<NamedWeights>& weights);
 
-// The cell's result, from its file where it has one.
-nlohmann::json result_of(const AblationCell& cell, const std::filesystem::path& out,
-                         const std::vector<NamedWeights>& weights);
+// Adds --runs, which add_cells takes.
+void add_runs_option(CLI::App* command, int& runs);
 
 }  // namespace penumbra::apps

@@ -4,8 +4,6 @@
 #include <memory>
 
 #include "apps/common/commands.h"
-#include "apps/common/log.h"
-#include "apps/common/progress_bar.h"
 #include "apps/slam/ablation_cells.h"
 #include "apps/slam/ablation_tables.h"
 #include "nn/base/error.h"
@@ -44,8 +42,7 @@ std::vector<AblationCell> list_cells(const BenchDynamicsOptions& options,
                           .weights = ""};
         if (!cell.is_office())
           throw UsageError(fmt::format("--presets: '{}' is no preset of the office", preset));
-        for (cell.run = options.runs > 0 ? 1 : 0; cell.run <= options.runs; ++cell.run)
-          add_cells(cell, weights, cells);
+        add_cells(cell, options.runs, weights, cells);
       }
     }
   }
@@ -76,15 +73,7 @@ std::string page_of(const std::vector<AblationCell>& cells, const std::string& t
 void run_bench_dynamics(const BenchDynamicsOptions& options) {
   const std::vector<NamedWeights> weights = named_weights(options.weights);
   const std::vector<AblationCell> cells = list_cells(options, weights);
-  prepare_cells(options.out);
-  nlohmann::json results = nlohmann::json::array();
-  ProgressBar progress("Dynamics", static_cast<int>(cells.size()), "cells");
-  for (const AblationCell& cell : cells) {
-    results.push_back(result_of(cell, options.out, weights));
-    log_info("{}: ATE {:.4f} m", cell.name(), results.back()["ate_m"].get<double>());
-    progress.update(static_cast<int>(results.size()));
-  }
-  const nlohmann::json rows = summarise_cells(results);
+  const nlohmann::json rows = run_cells("Dynamics", cells, options.out, weights);
   const std::string table = format_dynamics_table(rows) + "\n" + format_office_table(rows);
   nn::write_file(options.out / "dynamics.md", table);
   nn::write_file(options.out / "dynamics.json", rows.dump(2) + "\n");
@@ -113,11 +102,7 @@ what became of the features. Cells that are in the --out folder already are not 
   command->add_option("--frames", options->frames, "of each recording")
       ->check(CLI::Range(2, 20000))
       ->capture_default_str();
-  command
-      ->add_option("--runs", options->runs,
-                   "run each cell so often with all threads (default: once, deterministic)")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N");
+  add_runs_option(command, options->runs);
   command->callback([options] { run_bench_dynamics(*options); });
 }
 

@@ -3,57 +3,33 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "slam/dynamics/object_motion.h"
 #include "slam/geometry/chi_square.h"
+#include "slam/geometry/reprojection.h"
+#include "slam/geometry/triangulation.h"
 
 namespace penumbra::slam {
 
-namespace {
-
-constexpr double kSurely1 = 6.635, kSurely2 = 9.210;  // 99 % quantiles of chi-square
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& t) {
-  Eigen::Matrix3d m;
-  m << 0.0, -t.z(), t.y(), t.z(), 0.0, -t.x(), -t.y(), t.x(), 0.0;
-  return m;
-}
-
-// x2^T F x1 = 0 for the pixels of a point that stands still.
-Eigen::Matrix3d fundamental_of(const StereoCamera& camera, const SE3& T) {
-  Eigen::Matrix3d K;
-  K << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
-  const Eigen::Matrix3d inverse = K.inverse();
-  return inverse.transpose() * cross_matrix(T.translation) * T.rotation * inverse;
-}
-
-}  // namespace
-
 DualConstraint::DualConstraint(const StereoCamera& camera, const SE3& T_c_k,
                                const DualConstraintSettings& settings)
-    : camera_(camera), T_c_k_(T_c_k), settings_(settings), F_(fundamental_of(camera, T_c_k)) {}
+    : camera_(camera), T_c_k_(T_c_k), settings_(settings), F_(fundamental_matrix(camera, SE3{}, T_c_k)) {}
 
 std::optional<PointDifference> DualConstraint::compare(const MeasuredPoint& before,
                                                        const MeasuredPoint& now) const {
-  const double f = camera_.fx, sigma = settings_.pixel_sigma;
-  // Deviation of a measured depth: disparity has an even error.
-  const auto depth_variance = [&](double z, double scale) {
-    const double s = z * z / (f * camera_.baseline) * settings_.disparity_sigma * scale;
-    return s * s;
-  };
-  const Eigen::Vector3d point = camera_.back_project(before.pixel.x(), before.pixel.y(), before.depth);
-  const Eigen::Vector3d p = T_c_k_ * point;
+  const Eigen::Vector3d p = T_c_k_ * camera_.back_project(before.pixel.x(), before.pixel.y(), before.depth);
   if (!(p.z() > 0.0)) return std::nullopt;
 
-  // Of the point in C: its ray's direction, its depth along it, and the pose.
-  const double across = sigma * before.scale * before.depth / f;
-  const Eigen::Vector3d along = point / point.z();
-  Eigen::Matrix3d covariance = across * across * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix();
-  covariance += depth_variance(before.depth, before.scale) * along * along.transpose();
-  covariance = T_c_k_.rotation * covariance * T_c_k_.rotation.transpose();
-  covariance += settings_.pose_sigma * settings_.pose_sigma * Eigen::Matrix3d::Identity();
-  Eigen::Matrix<double, 2, 3> J;                      // of the pixel
-  J << f / p.z(), 0.0, -f * p.x() / (p.z() * p.z()),  //
-      0.0, camera_.fy / p.z(), -camera_.fy * p.y() / (p.z() * p.z());
-  const double now_sigma = sigma * now.scale;
+  // Of the point in C, as K measured it, and the pose between the two.
+  const auto measured = [&](const MeasuredPoint& point) {
+    return position_covariance(camera_, point.pixel, point.depth, settings_.pixel_sigma * point.scale,
+                               settings_.disparity_sigma * point.scale);
+  };
+  const Eigen::Matrix3d covariance =
+      T_c_k_.rotation * measured(before) * T_c_k_.rotation.transpose() +
+      settings_.pose_sigma * settings_.pose_sigma * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix<double, 2, 3> J =
+      projection_jacobian(camera_, p, /*stereo=*/false).topRows<2>();  // of the pixel
+  const double now_sigma = settings_.pixel_sigma * now.scale;
   const Eigen::Matrix2d pixel_covariance =
       J * covariance * J.transpose() + now_sigma * now_sigma * Eigen::Matrix2d::Identity();
 
@@ -72,7 +48,7 @@ std::optional<PointDifference> DualConstraint::compare(const MeasuredPoint& befo
   if (now.depth > 0.0) {
     const double dz = std::abs(p.z() - now.depth);
     difference.depth = dz;
-    difference.depth_score = dz * dz / (covariance(2, 2) + depth_variance(now.depth, now.scale));
+    difference.depth_score = dz * dz / (covariance(2, 2) + measured(now)(2, 2));
   }
   return difference;
 }
@@ -83,8 +59,8 @@ bool DualConstraint::moves(const PointDifference& d) const {
     if (d.line > settings_.line_pixels) return true;
     return d.shift > settings_.shift_pixels || dz > settings_.depth_metres || d.shift + dz > settings_.score;
   }
-  return d.line_score > kSurely1 || d.shift_score > kSurely2 || d.depth_score > kSurely1 ||
-         d.shift_score + d.depth_score > kChiSquare3;
+  return d.line_score > kPlainChiSquare1 || d.shift_score > kPlainChiSquare2 ||
+         d.depth_score > kPlainChiSquare1 || d.shift_score + d.depth_score > kChiSquare3;
 }
 
 }  // namespace penumbra::slam

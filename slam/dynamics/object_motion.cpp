@@ -34,17 +34,22 @@ double log_normal_at_zero_mean(const Eigen::Vector3d& v, const Eigen::Matrix3d& 
 
 }  // namespace
 
+Eigen::Matrix3d position_covariance(const StereoCamera& camera, const Eigen::Vector2d& pixel, double depth,
+                                    double pixel_sigma, double disparity_sigma) {
+  const double disparity = camera.fx * camera.baseline / depth;
+  Eigen::Matrix3d J;
+  J << depth / camera.fx, 0.0, -(pixel.x() - camera.cx) / camera.fx * depth / disparity,  //
+      0.0, depth / camera.fy, -(pixel.y() - camera.cy) / camera.fy * depth / disparity,   //
+      0.0, 0.0, -depth / disparity;
+  const double p = pixel_sigma, d = disparity_sigma;
+  return J * Eigen::Vector3d(p * p, p * p, d * d).asDiagonal() * J.transpose();
+}
+
 Eigen::Matrix3d stereo_covariance(const StereoCamera& camera, const FeatureView& features, int feature,
                                   double scale, const ObjectMotionSettings& settings) {
   const FeaturePixel k = features.pixel(feature);
-  const double z = features.depth(feature);
-  const double disparity = camera.fx * camera.baseline / z;
-  Eigen::Matrix3d J;
-  J << z / camera.fx, 0.0, -(k.u - camera.cx) / camera.fx * z / disparity,  //
-      0.0, z / camera.fy, -(k.v - camera.cy) / camera.fy * z / disparity,   //
-      0.0, 0.0, -z / disparity;
-  const double pixel = settings.pixel_sigma * scale, d = settings.disparity_sigma * scale;
-  return J * Eigen::Vector3d(pixel * pixel, pixel * pixel, d * d).asDiagonal() * J.transpose();
+  return position_covariance(camera, {k.u, k.v}, features.depth(feature), settings.pixel_sigma * scale,
+                             settings.disparity_sigma * scale);
 }
 
 std::optional<ObjectVelocity> estimate_velocity(std::span<const PointDisplacement> points,

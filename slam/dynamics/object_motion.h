@@ -47,6 +47,11 @@ struct ObjectVelocity {
   int inliers = 0;
 };
 
+// Covariance of the position, metres^2, of what is seen at `pixel`, `depth` metres away, in the camera's
+// frame; deviations in pixels.
+Eigen::Matrix3d position_covariance(const StereoCamera& camera, const Eigen::Vector2d& pixel, double depth,
+                                    double pixel_sigma, double disparity_sigma);
+
 // Covariance of a feature's stereo position in the camera's frame, metres^2; the feature has stereo depth.
 Eigen::Matrix3d stereo_covariance(const StereoCamera& camera, const FeatureView& features, int feature,
                                   double scale, const ObjectMotionSettings& settings);
