@@ -2,6 +2,10 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/common/commands.h"
 #include "apps/slam/ablation_cells.h"
@@ -49,18 +53,44 @@ std::vector<AblationCell> list_cells(const BenchDynamicsOptions& options,
   return cells;
 }
 
+// Tables as Markdown has them, one after the other, as HTML.
+std::string html_of(const std::string& tables) {
+  std::string html;
+  std::istringstream lines(tables);
+  bool open = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("|-", 0) == 0) continue;  // between the head and the rows
+    if (line.empty()) {
+      if (std::exchange(open, false)) html += "</table>\n";
+      continue;
+    }
+    const char* cell = open ? "td" : "th";
+    html += open ? "<tr>" : "<table><tr>";
+    open = true;
+    for (std::size_t begin = 1, end; (end = line.find('|', begin)) != line.npos; begin = end + 1)
+      html += fmt::format("<{0}>{1}</{0}>", cell, line.substr(begin, end - begin));
+    html += "</tr>\n";
+  }
+  return open ? html + "</table>\n" : html;
+}
+
 // A page with the table, and each cell's path and features; pictures stay in their files.
 std::string page_of(const std::vector<AblationCell>& cells, const std::string& table) {
-  std::string page =
-      "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Penumbra: dynamics</title>\n"
-      "<style>body { font: 15px sans-serif; max-width: 1300px; margin: 2em auto; } pre { overflow-x: auto; "
-      "}\n"
-      "figure { display: inline-block; margin: 8px; width: 610px; } img { max-width: 100%; } "
-      "figcaption { font-weight: bold; }</style>\n<h1>People before the camera</h1>\n"
-      "<p>Paths against the true ones, from above. Features of the frame with the most on people: green, of "
-      "the "
-      "map; red, left out; yellow, others.</p>\n<pre>" +
-      table + "</pre>\n";
+  std::string page = R"(<!doctype html>
+<meta charset="utf-8">
+<title>Penumbra: dynamics</title>
+<style>
+body { font: 15px sans-serif; max-width: 1300px; margin: 2em auto; }
+table { border-collapse: collapse; margin: 1em 0; }
+td, th { padding: 2px 8px; border-bottom: 1px solid #ccc; text-align: left; }
+figure { display: inline-block; margin: 8px; width: 610px; vertical-align: top; }
+img { max-width: 100%; }
+figcaption { font-weight: bold; }
+</style>
+<h1>People before the camera</h1>
+<p>Paths against the true ones, from above. Features of the frame with the most on people: green, of the map;
+red, left out; yellow, others.</p>
+)" + html_of(table);
   for (const AblationCell& cell : cells) {
     page += fmt::format(
         "<figure><figcaption>{0}</figcaption><img src=\"cells/{0}.svg\" alt=\"path\"><img "
