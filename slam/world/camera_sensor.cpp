@@ -79,7 +79,8 @@ void add_glare(Image<Colour>& radiance, const StereoCamera& camera, const Eigen:
   const int sparkles = static_cast<int>(80.0F * strength);
   for (int i = 0; i < sparkles; ++i) {
     const float u = random.uniform(0.0F, width), v = random.uniform(0.0F, height);
-    add_disc(u, v, random.uniform(1.0F, 3.5F), Colour::Constant(random.uniform(0.2F, 1.5F)));
+    const float bright = random.uniform(0.2F, 1.5F), radius = random.uniform(1.0F, 3.5F);
+    add_disc(u, v, radius, Colour::Constant(bright));
   }
 }
 

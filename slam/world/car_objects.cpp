@@ -43,7 +43,8 @@ Colour pick_paint(RandomSequence& random) {
                                    {0.03F, 0.03F, 0.04F}, {0.85F, 0.85F, 0.83F}, {0.80F, 0.80F, 0.80F},
                                    {0.42F, 0.03F, 0.03F}, {0.05F, 0.10F, 0.32F}, {0.10F, 0.24F, 0.42F},
                                    {0.05F, 0.17F, 0.09F}, {0.45F, 0.36F, 0.22F}, {0.55F, 0.16F, 0.03F}};
-  return kPaints[random.below(static_cast<int>(std::size(kPaints)))] * random.uniform(0.85F, 1.1F);
+  const float brightness = random.uniform(0.85F, 1.1F);
+  return kPaints[random.below(static_cast<int>(std::size(kPaints)))] * brightness;
 }
 
 Body lower_body(const CarShape& shape) {

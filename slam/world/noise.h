@@ -159,7 +159,8 @@ inline float pulse(float x, float from, float to, float width) {
   return clamp01((x - from) * w + 0.5F) - clamp01((x - to) * w + 0.5F);
 }
 
-// A sequence of random numbers, for building worlds: the same on every machine, unlike <random>.
+// A sequence of random numbers, for building worlds: the same on every machine, unlike <random>. At most one
+// draw goes into an argument list or an operation: compilers differ in which operand they evaluate first.
 class RandomSequence {
  public:
   explicit RandomSequence(std::uint32_t seed) : seed_(seed) {}

@@ -130,23 +130,32 @@ class OfficeBuilder {
     const double shift = between(-0.15F, 0.15F);
     const double tilt = between(-0.25F, 0.25F);
     put(add_monitor(world_, random_, kDeskHeight), placed(pose, shift, 0.16, tilt));
-    put(add_keyboard(world_, random_, kDeskHeight),
-        placed(pose, shift + between(-0.05F, 0.05F), -0.16, between(-0.1F, 0.1F)));
-    put(add_mouse(world_, random_, kDeskHeight), placed(pose, shift + 0.33, -0.15, between(-0.3F, 0.3F)));
-    if (random_.chance(0.7F))
-      put(add_cup(world_, random_, kDeskHeight),
-          placed(pose, -half + 0.15, between(-0.2F, 0.2F), between(-3.0F, 3.0F)));
-    if (random_.chance(0.8F))
-      put(add_books(world_, random_, kDeskHeight),
-          placed(pose, half - 0.17, between(0.0F, 0.2F), between(-0.5F, 0.5F)));
+    const double keys_turn = between(-0.1F, 0.1F), keys_x = shift + between(-0.05F, 0.05F);
+    put(add_keyboard(world_, random_, kDeskHeight), placed(pose, keys_x, -0.16, keys_turn));
+    const double mouse_turn = between(-0.3F, 0.3F);
+    put(add_mouse(world_, random_, kDeskHeight), placed(pose, shift + 0.33, -0.15, mouse_turn));
+    if (random_.chance(0.7F)) {
+      const double turn = between(-3.0F, 3.0F), z = between(-0.2F, 0.2F);
+      put(add_cup(world_, random_, kDeskHeight), placed(pose, -half + 0.15, z, turn));
+    }
+    if (random_.chance(0.8F)) {
+      const double turn = between(-0.5F, 0.5F), z = between(0.0F, 0.2F);
+      put(add_books(world_, random_, kDeskHeight), placed(pose, half - 0.17, z, turn));
+    }
     if (random_.chance(0.5F))
       put(add_bottle(world_, random_, kDeskHeight), placed(pose, half - 0.1, -0.2, 0.0));
-    if (random_.chance(0.7F))
-      add_papers(world_, random_, kDeskHeight).pose = placed(pose, -half + 0.3, -0.15, between(-0.5F, 0.5F));
-    if (random_.chance(0.3F))
-      put(add_box(world_, random_, kDeskHeight), placed(pose, -half + 0.22, 0.2, between(-0.3F, 0.3F)));
-    if (random_.chance(0.3F))
-      put(add_backpack(world_, random_), placed(pose, between(-0.4F, 0.4F), 0.05, between(-1.0F, 1.0F)));
+    if (random_.chance(0.7F)) {
+      const double turn = between(-0.5F, 0.5F);
+      add_papers(world_, random_, kDeskHeight).pose = placed(pose, -half + 0.3, -0.15, turn);
+    }
+    if (random_.chance(0.3F)) {
+      const double turn = between(-0.3F, 0.3F);
+      put(add_box(world_, random_, kDeskHeight), placed(pose, -half + 0.22, 0.2, turn));
+    }
+    if (random_.chance(0.3F)) {
+      const double turn = between(-1.0F, 1.0F), x = between(-0.4F, 0.4F);
+      put(add_backpack(world_, random_), placed(pose, x, 0.05, turn));
+    }
     std::vector<Eigen::Vector3f> cable{{0.1F, -0.7F, 0.28F}};
     for (int i = 0; i < 4; ++i) {
       const float x = cable.back().x() + random_.uniform(-0.15F, 0.2F);
@@ -176,8 +185,8 @@ class OfficeBuilder {
     const double left = between(0.5F, 1.3F), right = -between(0.0F, 0.9F);
     chairs_.push_back({{-1.1 + between(-0.1F, 0.1F), -0.82}, left});
     chairs_.push_back({{0.95 + between(-0.1F, 0.1F), -0.92}, right});
-    put(add_chair(world_, random_, random_.chance(0.5F)),
-        {{between(-0.3F, 0.3F), -0.55}, between(-0.6F, 0.6F)});
+    const double x = between(-0.3F, 0.3F), turn = between(-0.6F, 0.6F);
+    put(add_chair(world_, random_, random_.chance(0.5F)), {{x, -0.55}, turn});
   }
 
   // Fills a wall from its left to its right end: `middle` is its middle, `heading` points into it.
@@ -190,8 +199,8 @@ class OfficeBuilder {
       if (choice < 0.3F && room_left > 1.5) {
         const double width = between(1.2F, 1.5F);
         add_workplace(placed(wall, along + 0.5 * width, -0.4), static_cast<float>(width), 0.7F);
-        put(add_chair(world_, random_, random_.chance(0.5F)),
-            placed(wall, along + 0.5 * width + between(-0.2F, 0.2F), -0.95, between(-0.7F, 0.7F)));
+        const double turn = between(-0.7F, 0.7F), x = along + 0.5 * width + between(-0.2F, 0.2F);
+        put(add_chair(world_, random_, random_.chance(0.5F)), placed(wall, x, -0.95, turn));
         if (tall_things) hang_poster(wall, along + 0.5 * width, 1.75F);
         along += width + 0.1;
       } else if (choice < 0.55F && tall_things && room_left > 1.0) {
@@ -206,7 +215,8 @@ class OfficeBuilder {
         put(add_plant(world_, random_), placed(wall, along + 0.25, -0.3));
         along += 0.6;
       } else if (choice < 0.78F) {
-        put(add_box(world_, random_, 0.0F), placed(wall, along + 0.25, -0.3, between(-0.4F, 0.4F)));
+        const double turn = between(-0.4F, 0.4F);
+        put(add_box(world_, random_, 0.0F), placed(wall, along + 0.25, -0.3, turn));
         along += 0.55;
       } else if (choice < 0.92F && tall_things) {
         hang_poster(wall, along + 0.4, 1.45F);

@@ -52,7 +52,8 @@ class StreetBuilder {
   // The sun stands 45 to 62 degrees high (12 to 20 in the evening) and shines across and along the first
   // heading, from before or behind, so that houses shade one side of the street only.
   void light_street() {
-    float azimuth = random_.uniform(0.5F, 1.1F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
+    float azimuth = random_.uniform(0.5F, 1.1F);
+    if (!random_.chance(0.5F)) azimuth = -azimuth;
     if (random_.chance(0.6F)) azimuth += static_cast<float>(std::numbers::pi);
     float height = random_.uniform(0.78F, 1.08F);
     if (settings_.light == Light::evening) {
@@ -153,7 +154,8 @@ class StreetBuilder {
         }
         Object& car = lorry ? add_lorry(world_, random_) : add_car(world_, random_);
         car.pose = pose;
-        car.pose.heading += random_.uniform(-0.03F, 0.03F) + (random_.chance(0.12F) ? std::numbers::pi : 0.0);
+        const double askew = random_.uniform(-0.03F, 0.03F);
+        car.pose.heading += askew + (random_.chance(0.12F) ? std::numbers::pi : 0.0);
         give_instance(car);
       }
       along += place;

@@ -99,7 +99,8 @@ Object& add_tree(World& world, RandomSequence& random) {
   bodies[0].material = plain_material(world, random, {0.17F, 0.13F, 0.09F}, Surface::bark);
   bodies[0].casts_shadow = true;
   const float g = random.uniform(0.8F, 1.2F);
-  const Colour leaf = Colour(random.uniform(0.07F, 0.15F), 0.17F, random.uniform(0.03F, 0.06F)) * g;
+  const float blue = random.uniform(0.03F, 0.06F), red = random.uniform(0.07F, 0.15F);
+  const Colour leaf = Colour(red, 0.17F, blue) * g;
   const int leaves = plain_material(world, random, leaf, Surface::leaves);
   const int crowns = 4 + random.below(3);
   for (int i = 0; i < crowns; ++i) {
@@ -165,7 +166,8 @@ Object& add_bin(World& world, RandomSequence& random) {
 
 Object& add_hedge(World& world, RandomSequence& random, float length) {
   const float height = random.uniform(0.8F, 1.6F);
-  const Colour leaf = Colour(random.uniform(0.06F, 0.11F), 0.15F, 0.04F) * random.uniform(0.8F, 1.2F);
+  const float g = random.uniform(0.8F, 1.2F), red = random.uniform(0.06F, 0.11F);
+  const Colour leaf = Colour(red, 0.15F, 0.04F) * g;
   Body hedge = make_box({-0.4F, -height, -0.5F * length}, {0.4F, 0.0F, 0.5F * length});
   hedge.material = plain_material(world, random, leaf, Surface::leaves);
   hedge.casts_shadow = true;

@@ -171,7 +171,7 @@ class Traffic {
       for (int attempt = 0; attempt < 4; ++attempt) {
         const double side = random_.chance(0.5F) ? 1.0 : -1.0, lateral = random_.uniform(6.6F, 7.8F);
         const double arc = first_ + span() * static_cast<double>(random_.uniform());
-        const double speed = random_.uniform(0.9F, 1.6F) * (random_.chance(0.5F) ? 1.0F : -1.0F);
+        const double pace = random_.uniform(0.9F, 1.6F), speed = random_.chance(0.5F) ? pace : -pace;
         const double right = side * lateral - static_cast<double>(kLaneCentre);
         const Motion motion{.moves = true, .arc = arc, .speed = speed, .right = right};
         if (!stays_out_of_houses(motion)) continue;
