@@ -4,25 +4,6 @@
 
 namespace penumbra {
 
-namespace {
-
-constexpr float kResizeOne = 2048.0F;  // the fixed-point 1 of weights
-
-// Where output pixel u lies in the input: whole pixel and what is left over.
-struct Place {
-  int whole;
-  float share;
-};
-Place place_of(int u, double step) {
-  const auto x = static_cast<float>((u + 0.5) * step - 0.5);
-  const int whole = static_cast<int>(std::floor(x));
-  return {whole, x - static_cast<float>(whole)};
-}
-
-std::int16_t fixed(float weight) { return static_cast<std::int16_t>(std::lrint(weight * kResizeOne)); }
-
-}  // namespace
-
 void LinearResize::prepare(const ByteView& in, const Size& size) {
   if (in.size() == from_ && size == to_ && in.channels == channels_) return;
   from_ = in.size();
@@ -30,25 +11,22 @@ void LinearResize::prepare(const ByteView& in, const Size& size) {
   channels_ = in.channels;
   columns_.clear();
   column_weights_.clear();
-  const double step_x = 1.0 / (static_cast<double>(size.width) / in.width);
+  const double step_x = linear_step(in.width, size.width);
   for (int u = 0; u < size.width; ++u) {
-    Place x = place_of(u, step_x);
-    if (x.whole < 0) x = {0, 0.0F};
-    // The last column is the right neighbour of the one before it.
-    if (x.whole >= in.width - 1) x = in.width > 1 ? Place{in.width - 2, 1.0F} : Place{0, 0.0F};
+    LinearTap x = linear_tap(u, step_x, in.width);
+    // Where both are the outermost column, it and the one beside it, which does not count.
+    if (x.low == x.high) {
+      x = x.low > 0 ? LinearTap{x.low - 1, x.low, 0, LinearTap::kOne} : LinearTap{0, 1, LinearTap::kOne, 0};
+    }
     for (int c = 0; c < channels_; ++c) {
-      columns_.push_back(x.whole * channels_ + c);
-      column_weights_.push_back(fixed(1.0F - x.share));
-      column_weights_.push_back(fixed(x.share));
+      columns_.push_back(x.low * channels_ + c);
+      column_weights_.push_back(static_cast<std::int16_t>(x.low_weight));
+      column_weights_.push_back(static_cast<std::int16_t>(x.high_weight));
     }
   }
   rows_.clear();
-  const double step_y = 1.0 / (static_cast<double>(size.height) / in.height);
-  for (int v = 0; v < size.height; ++v) {
-    const Place y = place_of(v, step_y);
-    rows_.push_back({std::clamp(y.whole, 0, in.height - 1), std::clamp(y.whole + 1, 0, in.height - 1),
-                     fixed(1.0F - y.share), fixed(y.share)});
-  }
+  const double step_y = linear_step(in.height, size.height);
+  for (int v = 0; v < size.height; ++v) rows_.push_back(linear_tap(v, step_y, in.height));
   blocks_.clear();
   constexpr int kPixels = 8, kBytes = 16;
   const int row_bytes = in.width * channels_, right = in.width > 1 ? channels_ : 0;
@@ -93,10 +71,10 @@ void LinearResize::apply(const ByteView& in, const Size& size, ByteImage& out) {
     return buffer;
   };
   for (int v = 0; v < size.height; ++v) {
-    const Row& row = rows_[static_cast<std::size_t>(v)];
-    const int upper = stretched(row.upper, row.lower), lower = stretched(row.lower, row.upper);
-    kernels.resize_mix(stretched_[upper].data(), stretched_[lower].data(), row.w0, row.w1, a.width,
-                       out.row(v));
+    const LinearTap& row = rows_[static_cast<std::size_t>(v)];
+    const int upper = stretched(row.low, row.high), lower = stretched(row.high, row.low);
+    kernels.resize_mix(stretched_[upper].data(), stretched_[lower].data(), row.low_weight, row.high_weight,
+                       a.width, out.row(v));
   }
 }
 

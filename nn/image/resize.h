@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "nn/image/image.h"
+#include "nn/image/linear_tap.h"
 #include "nn/simd/image_kernels.h"
 
 namespace penumbra {
@@ -36,11 +37,7 @@ class LinearResize {
   std::vector<nn::ResizeBlock> blocks_;
   std::vector<std::int32_t> columns_;
   std::vector<std::int16_t> column_weights_;
-  struct Row {
-    int upper, lower;  // of the input
-    int w0, w1;
-  };
-  std::vector<Row> rows_;
+  std::vector<LinearTap> rows_;
   std::vector<std::int16_t> stretched_[2];
 };
 
@@ -50,8 +47,8 @@ ByteImage resize_area(const ByteView& in, const Size& size);
 template <class T>
 Image<T> resize_nearest(const ImageView<const T>& in, const Size& size) {
   Image<T> out(size.width, size.height, in.channels);
-  const double step_x = 1.0 / (static_cast<double>(size.width) / in.width);
-  const double step_y = 1.0 / (static_cast<double>(size.height) / in.height);
+  const double step_x = linear_step(in.width, size.width);
+  const double step_y = linear_step(in.height, size.height);
   std::vector<int> columns(static_cast<std::size_t>(size.width));
   for (int x = 0; x < size.width; ++x)
     columns[static_cast<std::size_t>(x)] = std::min(static_cast<int>(std::floor(x * step_x)), in.width - 1);

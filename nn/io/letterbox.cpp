@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "nn/base/error.h"
+#include "nn/image/linear_tap.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
@@ -13,23 +14,6 @@ namespace {
 
 // Pixels of the frame before the image, of `frame` in all; the tenth decides where halves go.
 int leading(int frame) { return static_cast<int>(std::lround(frame / 2.0 - 0.1)); }
-
-// Where a resized row or column reads: two neighbours and their weights, multiples of 1 / kOne.
-struct Tap {
-  int low, high;
-  int low_weight, high_weight;
-};
-
-constexpr float kOne = 2048.0F;
-
-Tap tap(int i, double scale, int extent) {
-  const auto position = static_cast<float>((i + 0.5) * scale - 0.5);
-  const int low = static_cast<int>(std::floor(position));
-  const float fraction = position - static_cast<float>(low);
-  const auto weight = [](float share) { return static_cast<int>(std::lrint(share * kOne)); };
-  const auto inside = [extent](int pixel) { return std::clamp(pixel, 0, extent - 1); };
-  return {inside(low), inside(low + 1), weight(1.0F - fraction), weight(fraction)};
-}
 
 }  // namespace
 
@@ -61,11 +45,10 @@ FeatureMap letterbox_image(const ByteView& image, const Letterbox& letterbox, Ar
   const LetterboxFrame frame = letterbox_frame(image, letterbox);
   FeatureMap map(arena, 1, 3, frame.map_height, frame.map_width, border, kImageBlock);
   const int channels = image.channels;
-  // Extents as OpenCV computes them: the inverse of a quotient.
-  const double scale_x = 1.0 / (static_cast<double>(frame.width) / image.width);
-  const double scale_y = 1.0 / (static_cast<double>(frame.height) / image.height);
-  ArenaVector<Tap> columns(arena, static_cast<std::size_t>(frame.map_width));
-  for (int x = 0; x < frame.width; ++x) columns.push_back(tap(x, scale_x, image.width));
+  const double step_x = linear_step(image.width, frame.width);
+  const double step_y = linear_step(image.height, frame.height);
+  ArenaVector<LinearTap> columns(arena, static_cast<std::size_t>(frame.map_width));
+  for (int x = 0; x < frame.width; ++x) columns.push_back(linear_tap(x, step_x, image.width));
 
   const float grey = static_cast<float>(letterbox.fill) / 255.0F;
   const auto fill = [grey](float* out, int pixels) {
@@ -83,10 +66,10 @@ FeatureMap letterbox_image(const ByteView& image, const Letterbox& letterbox, Ar
     }
     fill(out, frame.left);
     out += static_cast<std::ptrdiff_t>(frame.left) * kImageBlock;
-    const Tap row = tap(y - frame.top, scale_y, image.height);
+    const LinearTap row = linear_tap(y - frame.top, step_y, image.height);
     const std::uint8_t* upper = image.row(row.low);
     const std::uint8_t* lower = image.row(row.high);
-    for (const Tap& column : columns) {
+    for (const LinearTap& column : columns) {
       for (int c = 0; c < 3; ++c) {
         const int byte = channels == 3 ? 2 - c : 0;  // BGR to RGB
         const int left = column.low * channels + byte, right = column.high * channels + byte;
