@@ -1,6 +1,7 @@
 #include "slam/pipeline/dense_mapper.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <shared_mutex>
 
@@ -11,8 +12,9 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr double kStandingSeconds = 1.0;  // between views from where the camera stands ...
-constexpr int kMostStanding = 30;         // ... of which no more are kept
+constexpr double kStandingSeconds = 1.0;                    // between views from where the camera stands ...
+constexpr int kMostStanding = 30;                           // ... of which no more are kept
+constexpr double kAlikeMetres = 0.3, kAlikeDegrees = 15.0;  // between views that show much the same
 constexpr double kDegrees = 180.0 / 3.14159265358979;
 constexpr std::size_t kMostClasses = kMoves;  // numbers below it
 
@@ -95,22 +97,40 @@ void DenseMapper::label(Kept& kept, const Recorder& record, const ClassNumbers& 
 }
 
 // Marks things of any class that other views show elsewhere.
-void DenseMapper::mark_displaced(Kept& kept, const Recorder& record,
-                                 const std::vector<PosedView>& views) const {
-  const auto seen = record.masks().find(kept.frame);
-  if (seen == record.masks().end()) return;
-  const auto self = std::find_if(views.begin(), views.end(),
-                                 [&](const PosedView& view) { return view.view == &kept.view; });
-  for (const Instance& thing : seen->second) {
-    if (is_displaced(*self, settings_.step, thing.region, thing.mask, views, settings_.fusion))
-      set_label(kept.view, settings_.step, thing.region, thing.mask, kMoves, settings_.grow);
+void DenseMapper::mark_displaced(const Recorder& record, const std::vector<PosedView>& views) {
+  std::vector<ShownThing> things;
+  for (std::size_t i = 0; i < kept_.size(); ++i) {
+    if (const auto seen = record.masks().find(kept_[i].frame); seen != record.masks().end()) {
+      for (const Instance& thing : seen->second) things.push_back({i, thing.region, &thing.mask});
+    }
+  }
+  const std::vector<char> displaced = find_displaced(things, settings_.step, views, settings_.fusion);
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const auto& [view, region, mask] = things[i];
+    if (displaced[i]) set_label(kept_[view].view, settings_.step, region, *mask, kMoves, settings_.grow);
+  }
+}
+
+// Leaves out views that the segmenter did not see where one that it saw shows the same: whoever stands in
+// them may have been overlooked.
+void DenseMapper::leave_out_unsegmented(const Recorder& record, const std::vector<PosedView>& views) {
+  const auto is_segmented = [&](std::size_t i) { return record.masks().contains(kept_[i].frame); };
+  const auto alike = [](const SE3& a, const SE3& b) {
+    return (a.translation - b.translation).norm() <= kAlikeMetres &&
+           a.rotation.col(2).dot(b.rotation.col(2)) >= std::cos(kAlikeDegrees / kDegrees);
+  };
+  for (std::size_t i = 0; i < kept_.size(); ++i) {
+    if (is_segmented(i)) continue;
+    for (std::size_t k = 0; k < kept_.size(); ++k) {
+      if (!is_segmented(k) || !alike(views[i].T_wc, views[k].T_wc)) continue;
+      kept_[i].view.label.fill(kMoves);
+      break;
+    }
   }
 }
 
 DenseMap DenseMapper::build(const Recorder& record) {
   const ClassNumbers numbers(record);
-  const auto is_segmented = [&](const Kept& kept) { return record.masks().contains(kept.frame); };
-  const bool most_are = 2 * std::count_if(kept_.begin(), kept_.end(), is_segmented) >= std::ssize(kept_);
   std::vector<PosedView> views;
   std::size_t bytes = 0;
   {
@@ -120,12 +140,9 @@ DenseMap DenseMapper::build(const Recorder& record) {
       bytes += kept.view.bytes();
     }
   }
-  for (Kept& kept : kept_) {
-    label(kept, record, numbers);
-    mark_displaced(kept, record, views);
-    // Whoever stands in it may have been overlooked; others show the same place.
-    if (most_are && !is_segmented(kept)) kept.view.label.fill(kMoves);
-  }
+  for (Kept& kept : kept_) label(kept, record, numbers);
+  mark_displaced(record, views);
+  leave_out_unsegmented(record, views);
   DenseMap map{.voxels = fuse(views, settings_.fusion), .classes = numbers.names(), .floor = {}, .plan = {}};
   map.views = static_cast<int>(views.size());
   map.bytes = bytes + map.voxels.bytes();

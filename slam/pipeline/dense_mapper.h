@@ -51,7 +51,8 @@ class DenseMapper {
   class ClassNumbers;
   bool brings_something(const FrameResult& result);
   void label(Kept& kept, const Recorder& record, const ClassNumbers& numbers) const;
-  void mark_displaced(Kept& kept, const Recorder& record, const std::vector<PosedView>& views) const;
+  void mark_displaced(const Recorder& record, const std::vector<PosedView>& views);
+  void leave_out_unsegmented(const Recorder& record, const std::vector<PosedView>& views);
 
   const DenseSettings settings_;
   std::vector<Kept> kept_;

@@ -75,6 +75,16 @@ float nearest_depth(const DenseView& view, int column, int row) {
   return known >= kFewest ? static_cast<float>(least) / DenseView::kDepthUnits : 0.0F;
 }
 
+FloatImage nearest_depths(const DenseView& view) {
+  FloatImage nearest(view.depth.width(), view.depth.height());
+#pragma omp parallel for schedule(static)
+  for (int row = 0; row < nearest.height(); ++row) {
+    for (int column = 0; column < nearest.width(); ++column)
+      nearest.at(column, row) = nearest_depth(view, column, row);
+  }
+  return nearest;
+}
+
 void set_label(DenseView& view, int step, const Rect& region, const ByteImage& mask, std::uint8_t label,
                int grow) {
   if (mask.empty() || region.width <= 0 || region.height <= 0) return;

@@ -37,6 +37,7 @@ DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, co
 // The least depth of a pixel and its eight neighbours, metres: nothing is nearer there. 0 where that is not
 // known: the pixel has no depth, or is at the border, or fewer than five of the nine have one.
 float nearest_depth(const DenseView& view, int column, int row);
+FloatImage nearest_depths(const DenseView& view);  // of all its pixels
 
 // Gives the pixels of a mask (255 = object), `region` in pixels of the whole image and the mask of any size
 // stretched over it, the label `label`; `grow` is how far around the mask, in pixels of the whole image, it

@@ -35,16 +35,6 @@ void measure(const PosedView& posed, std::uint32_t number, const FusionSettings&
   }
 }
 
-FloatImage nearest_depths(const DenseView& view) {
-  FloatImage nearest(view.depth.width(), view.depth.height());
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < nearest.height(); ++row) {
-    for (int column = 0; column < nearest.width(); ++column)
-      nearest.at(column, row) = nearest_depth(view, column, row);
-  }
-  return nearest;
-}
-
 // Counts, per voxel, whether the view looks through it.
 void look_through(const PosedView& posed, const FusionSettings& settings, VoxelGrid& grid) {
   const StereoCamera& camera = posed.view->camera;

@@ -7,61 +7,15 @@
 
 #include "nn/base/error.h"
 #include "slam/map/dense/cloud_files.h"
-#include "slam/map/dense/displaced.h"
 #include "slam/map/dense/occupancy_grid.h"
 #include "tests/support/bytes.h"
+#include "tests/support/room_views.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::slam {
 namespace {
 
-const StereoCamera kRoomCamera = {
-    .fx = 160.0, .fy = 160.0, .cx = 79.5, .cy = 59.5, .baseline = 0.08, .width = 160, .height = 120};
-constexpr double kAboveFloor = 0.7;  // of the camera above the floor, metres
-
-// The depth of a room: floor 0.7 m below the camera, a wall 3 m ahead; `pillar`: something 1.5 m ahead in the
-// middle.
-FloatImage room(const SE3& T_wc, bool pillar) {
-  FloatImage depth(kRoomCamera.width, kRoomCamera.height);
-  for (int v = 0; v < depth.height(); ++v) {
-    for (int u = 0; u < depth.width(); ++u) {
-      const Eigen::Vector3d ray = T_wc.rotation * kRoomCamera.back_project(u, v, 1.0);
-      double z = (3.0 - T_wc.translation.z()) / ray.z();
-      if (ray.y() > 0.0) z = std::min(z, (kAboveFloor - T_wc.translation.y()) / ray.y());
-      const double to_pillar = (1.5 - T_wc.translation.z()) / ray.z();
-      if (pillar && std::abs(T_wc.translation.x() + to_pillar * ray.x()) < 0.2) z = std::min(z, to_pillar);
-      depth.at(u, v) = static_cast<float>(z);
-    }
-  }
-  return depth;
-}
-
-struct RoomViews {
-  std::vector<DenseView> kept;
-  std::vector<SE3> poses;
-
-  void add(const SE3& T_wc, bool pillar) {
-    const ByteImage image = ByteImage::filled(kRoomCamera.width, kRoomCamera.height, 90);
-    kept.push_back(make_dense_view(kRoomCamera, image, room(T_wc, pillar), 1));
-    poses.push_back(T_wc);
-  }
-  std::vector<PosedView> posed() const {
-    std::vector<PosedView> views;
-    for (std::size_t i = 0; i < kept.size(); ++i) views.push_back({&kept[i], poses[i]});
-    return views;
-  }
-};
-
-SE3 at(double x, double z = 0.0) {
-  SE3 T;
-  T.translation = {x, 0.0, z};
-  return T;
-}
-
-// How far a voxel is from floor and wall, metres.
-double off_surface(const Voxel& voxel) {
-  return std::min(std::abs(voxel.place.y() - kAboveFloor), std::abs(voxel.place.z() - 3.0));
-}
+using namespace penumbra::test;
 
 TEST(Fusion, PutsSurfacesWhereTheyAre) {
   RoomViews views;
@@ -119,32 +73,6 @@ TEST(Fusion, MeasuresNothingFarButLooksThroughAtIt) {
   }
 }
 
-TEST(Displaced, IsWhatOtherViewsContradictOrNoneConfirms) {
-  // Columns within 0.2 m of the middle at 1.5 m, above its foot, which is near to the floor behind it.
-  const Rect region{58, 0, 44, 90};
-  const ByteImage mask = ByteImage::filled(22, 45, 255);
-  const auto judged = [&](const std::vector<bool>& pillar) {
-    RoomViews views;
-    double x = 0.0;
-    for (const bool there : pillar) views.add(at(x += 0.02), there);
-    const std::vector<PosedView> posed = views.posed();
-    return is_displaced(posed.front(), 1, region, mask, posed, {});
-  };
-  EXPECT_FALSE(judged({true, true, true, true}));
-  EXPECT_FALSE(judged({true, true, true, false}));
-  EXPECT_TRUE(judged({true, true, true, false, false}));
-  EXPECT_TRUE(judged({true, false, false}));
-  EXPECT_FALSE(judged({true}));
-  // Views that look away confirm nothing.
-  RoomViews away;
-  away.add(at(0.0), true);
-  for (int i = 0; i < 3; ++i) away.add(at(0.0, 2.0), true);
-  const std::vector<PosedView> posed = away.posed();
-  EXPECT_TRUE(is_displaced(posed.front(), 1, region, mask, posed, {}));
-  EXPECT_FALSE(is_displaced(posed.front(), 1, region, mask, std::span(posed).first(3), {}));
-  EXPECT_FALSE(is_displaced(posed.front(), 1, {}, {}, posed, {}));
-}
-
 TEST(Fusion, LeavesOutWhatMoves) {
   RoomViews views;
   views.add(at(0.0), true);
@@ -193,6 +121,11 @@ TEST(DenseView, KnowsTheNearestDepthAroundAPixel) {
   EXPECT_EQ(nearest_depth(view, 6, 2), 2.0F);  // six of nine are known
   EXPECT_EQ(nearest_depth(view, 7, 2), 0.0F);
   EXPECT_EQ(nearest_depth(view, 0, 3), 0.0F);
+  const FloatImage all = nearest_depths(view);
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 9; ++column)
+      EXPECT_EQ(all.at(column, row), nearest_depth(view, column, row));
+  }
 }
 
 TEST(FloorPlane, IsFoundBelowATiltedCamera) {
@@ -231,12 +164,12 @@ TEST(OccupancyGrid, ShowsFloorAndPillar) {
   EXPECT_EQ(cell(2.2, 0.0), OccupancyGrid::kUnknown);    // behind the pillar
   EXPECT_EQ(cell(3.02, 0.95), OccupancyGrid::kBlocked);  // the wall
 
-  const test::TemporaryDirectory folder;
+  const TemporaryDirectory folder;
   write_occupancy(folder / "plan", plan);
-  const std::string pgm = test::read_file(folder / "plan.pgm");
+  const std::string pgm = read_file(folder / "plan.pgm");
   EXPECT_EQ(pgm.substr(0, 3), "P5\n");
   EXPECT_EQ(pgm.size() - pgm.find("255\n") - 4, plan.cells.elements());
-  const std::string yaml = test::read_file(folder / "plan.yaml");
+  const std::string yaml = read_file(folder / "plan.yaml");
   EXPECT_NE(yaml.find("image: plan.pgm\n"), yaml.npos);
   EXPECT_NE(yaml.find("resolution: 0.1\n"), yaml.npos);
 }
@@ -256,7 +189,7 @@ TEST(CloudFiles, AreReadAsTheyWereWritten) {
               .class_id = std::uint16_t(i % 3)},
              1);
   }
-  const test::TemporaryDirectory folder;
+  const TemporaryDirectory folder;
   write_dense_ply(folder / "dense.ply", grid, {"", "potted plant", "tv"});
   const DenseCloud cloud = read_dense_ply(folder / "dense.ply");
   EXPECT_EQ(cloud.classes, (std::vector<std::string>{"", "potted plant", "tv"}));
@@ -264,13 +197,13 @@ TEST(CloudFiles, AreReadAsTheyWereWritten) {
   EXPECT_EQ(cloud.places[7][0], 0.3F * 7.0F);
   EXPECT_EQ(cloud.colours[7], (std::array<std::uint8_t, 3>{200, 100, 7}));
   EXPECT_EQ(cloud.labels[7], 1);
-  const std::string whole = test::read_file(folder / "dense.ply");
+  const std::string whole = read_file(folder / "dense.ply");
   for (const std::size_t length : {std::size_t{0}, std::size_t{30}, whole.size() / 4, whole.size() - 1}) {
-    test::write_file(folder / "torn.ply", whole.substr(0, length));
+    write_file(folder / "torn.ply", whole.substr(0, length));
     EXPECT_THROW(read_dense_ply(folder / "torn.ply"), InputError) << length;
   }
   write_pcd(folder / "dense.pcd", grid);
-  const std::string pcd = test::read_file(folder / "dense.pcd");
+  const std::string pcd = read_file(folder / "dense.pcd");
   EXPECT_EQ(pcd.size() - pcd.find("DATA binary\n") - 12, 50U * 20U);
 }
 

@@ -1,0 +1,61 @@
+#include "slam/pipeline/recorder.h"
+
+#include <gtest/gtest.h>
+
+namespace penumbra::slam {
+namespace {
+
+const StereoCamera kRecordedCamera = {
+    .fx = 160.0, .fy = 160.0, .cx = 79.5, .cy = 59.5, .baseline = 0.08, .width = 160, .height = 120};
+
+FrameResult recorded_frame(int index, bool keyframe) {
+  FrameResult result;
+  result.index = index;
+  result.keyframe = keyframe;
+  return result;
+}
+
+// Somebody whose left half is masked, and one of a single column.
+std::vector<Instance> two_people() {
+  ByteImage mask = ByteImage::filled(20, 40, 0);
+  for (int v = 0; v < 40; ++v) std::fill_n(mask.row(v), 10, std::uint8_t{255});
+  return {{.class_name = "person", .region = {30, 20, 20, 40}, .mask = mask},
+          {.class_name = "person", .region = {60, 20, 1, 9}, .mask = ByteImage::filled(1, 9, 255)},
+          {.class_name = "chair", .region = {70, 20, 10, 10}, .mask = {}}};
+}
+
+TEST(Recorder, KeepsMasksOfKeyframesAtHalfTheSize) {
+  Slam slam(kRecordedCamera, Sensor::rgbd, {});
+  Recorder record(slam, true);
+  record.add(recorded_frame(0, true));
+  record.add(recorded_frame(1, false));
+  FrameResult later =
+      recorded_frame(2, true);  // the segmenter was late with two frames, and saw nothing in the third
+  later.findings.segmented = {{0, two_people()}, {1, two_people()}, {2, {}}};
+  record.add(std::move(later));
+  ASSERT_EQ(record.masks().size(), 2U);
+  ASSERT_TRUE(record.masks().contains(0));
+  EXPECT_TRUE(record.masks().at(2).empty());
+  const std::vector<Instance>& kept = record.masks().at(0);
+  ASSERT_EQ(kept.size(), 3U);
+  EXPECT_EQ(kept[0].class_name, "person");
+  EXPECT_EQ(kept[0].region, (Rect{30, 20, 20, 40}));  // of the image, as it was
+  ASSERT_EQ(kept[0].mask.size(), (Size{10, 20}));
+  for (int v = 0; v < 20; ++v) {
+    for (int u = 0; u < 10; ++u) EXPECT_EQ(kept[0].mask.at(u, v), u < 5 ? 255 : 0);
+  }
+  EXPECT_EQ(kept[1].mask.size(), (Size{1, 4}));
+  EXPECT_TRUE(kept[2].mask.empty());
+}
+
+TEST(Recorder, KeepsNoMasksUnlessAsked) {
+  Slam slam(kRecordedCamera, Sensor::rgbd, {});
+  Recorder record(slam);
+  FrameResult result = recorded_frame(0, true);
+  result.findings.segmented = {{0, two_people()}};
+  EXPECT_TRUE(record.add(std::move(result)).findings.segmented.empty());
+  EXPECT_TRUE(record.masks().empty());
+}
+
+}  // namespace
+}  // namespace penumbra::slam
