@@ -5,7 +5,7 @@
 #include <string>
 
 #include "nn/image/image.h"
-#include "slam/world/depth_camera.h"
+#include "slam/world/depth_camera_settings.h"
 
 namespace penumbra::slam::synthetic {
 

@@ -8,23 +8,17 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr double kCellsInBox = 3200.0;
+using Place = BoxCell::Place;
+
 constexpr double kLeastKnown = 0.05;      // share of the box with depth, below which the box stays
 constexpr double kLeastRingKnown = 0.05;  // of the ring
 constexpr double kOutliers = 0.02;        // share of a run's cells on each side of its extent
-constexpr double kHigh = 0.8;             // quantile of the distances from outside ...
-constexpr double kCertain = 0.25;         // ... and the share of it from which on a cell is certain
-constexpr int kMostDistance = 1000;       // that counts for it: what cannot be reached is not farther
 constexpr double kNearerThanRun = 0.5, kFartherThanRun = 0.15;  // metres, that may still be the object
-constexpr double kGap = 0.03;  // share of the box's sides by which the box may be too small
-constexpr float kColourStep = 8.0F, kMostColour = 12.0F;
-constexpr double kLeastDepth = 0.2, kMostDepth = 1.2;  // metres, that a run may be deep
-constexpr double kPastSlack = 0.3;                     // metres between two frames
-constexpr double kLeastArea = 0.03;                    // of the box
+constexpr double kLeastDepth = 0.2, kMostDepth = 1.2;           // metres, that a run may be deep
+constexpr double kPastSlack = 0.3;                              // metres between two frames
+constexpr double kLeastArea = 0.03;                             // of the box
 
 constexpr double kTie = 1e-9;  // between the paper's scores, which often are equal but for rounding
-
-bool is_depth(float metres) { return metres > 0.0F && std::isfinite(metres); }
 
 void keep_box(const Rect& box, ObjectMask& found) {
   found.mask.create(box.width, box.height);
@@ -53,21 +47,14 @@ void number_bins(const std::vector<DepthCluster>& clusters,
 // Metres, between neighbouring cells of different things.
 float least_jump(float metres) { return 0.06F + 0.012F * metres * metres; }
 
-// Grey values, of the channel that differs most.
-float difference(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b) {
-  int most = 0;
-  for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a[c] - b[c]));
-  return static_cast<float>(most);
-}
-
 }  // namespace
 
 void ObjectInBox::find(const ByteView& image, const FloatImage& depth, const Rect& box,
                        std::optional<double> past, ObjectMask& found) {
   if (settings_.mode == ClusterMode::paper) return find_as_paper(depth, box, found);
-  make_cells(image, depth, box);
+  cut_into_clusters(image, depth, box);
   int known = 0, cells = 0;
-  for (const Cell& cell : cells_) {
+  for (const BoxCell& cell : cells_.cells) {
     if (cell.place != Place::box) continue;
     ++cells;
     known += cell.depth > 0.0F;
@@ -76,10 +63,13 @@ void ObjectInBox::find(const ByteView& image, const FloatImage& depth, const Rec
   find_contour();
   const Run run = best_run(box, past);
   if (run.score < settings_.least_score) return keep_box(box, found);
-  grow(run);
+  const double nearest = clusters_[static_cast<std::size_t>(run.first)].mean - kNearerThanRun;
+  const double farthest =
+      DepthHistogram::depth_of(clusters_[static_cast<std::size_t>(run.last)].last) + kFartherThanRun;
+  growth_.grow(cells_, {run.first, run.last, nearest, farthest});
   double sum = 0.0;
   int area = 0, with_depth = 0;
-  for (const Cell& cell : cells_) {
+  for (const BoxCell& cell : cells_.cells) {
     if (cell.place != Place::box || !cell.is_object) continue;
     ++area;
     with_depth += cell.depth > 0.0F;
@@ -125,42 +115,16 @@ void ObjectInBox::find_as_paper(const FloatImage& depth, const Rect& box, Object
 }
 
 // Cuts the box and the ring into cells, and the box's depths into clusters.
-void ObjectInBox::make_cells(const ByteView& image, const FloatImage& depth, const Rect& box) {
-  side_ = std::max(1, static_cast<int>(std::lround(std::sqrt(box.area() / kCellsInBox))));
-  const auto ring = [&](int length) {
-    return std::max(2, static_cast<int>(std::lround(settings_.ring_share * length / side_)));
-  };
-  ring_ = {ring(box.width), ring(box.height)};
-  grid_ = {box.x - ring_.width * side_, box.y - ring_.height * side_,
-           (box.width + side_ - 1) / side_ + 2 * ring_.width,
-           (box.height + side_ - 1) / side_ + 2 * ring_.height};
-  cells_.assign(static_cast<std::size_t>(grid_.area()), Cell{});
-  const Rect whole{0, 0, depth.width(), depth.height()};
+void ObjectInBox::cut_into_clusters(const ByteView& image, const FloatImage& depth, const Rect& box) {
+  cells_.cut(image, depth, box, settings_.ring_share);
   histogram_.clear();
-  for (int row = 0; row < grid_.height; ++row) {
-    for (int column = 0; column < grid_.width; ++column) {
-      const Rect square{grid_.x + column * side_, grid_.y + row * side_, side_, side_};
-      const Rect in_box = intersection(square, box);
-      const Rect pixels = in_box.empty() ? intersection(square, whole) : in_box;
-      if (pixels.empty()) continue;
-      Cell& cell = cells_[static_cast<std::size_t>(row * grid_.width + column)];
-      cell.place = in_box.empty() ? Place::ring : Place::box;
-      // The pixel in the middle, or the first that has a depth.
-      const int x = pixels.x + pixels.width / 2, y = pixels.y + pixels.height / 2;
-      for (int c = 0; c < 3; ++c)
-        cell.colour[static_cast<std::size_t>(c)] = image.at(x, y, image.channels == 3 ? c : 0);
-      cell.depth = is_depth(depth.at(x, y)) ? depth.at(x, y) : 0.0F;
-      for (int n = 0; n < pixels.area() && cell.depth == 0.0F; ++n) {
-        const float z = depth.at(pixels.x + n % pixels.width, pixels.y + n / pixels.width);
-        if (is_depth(z)) cell.depth = z;
-      }
-      if (cell.place == Place::box && cell.depth > 0.0F) histogram_.add(cell.depth);
-    }
+  for (const BoxCell& cell : cells_.cells) {
+    if (cell.place == Place::box && cell.depth > 0.0F) histogram_.add(cell.depth);
   }
   clusters_ = kmeans_.cluster(histogram_, std::min(settings_.clusters, kMostClusters));
   std::array<std::int8_t, DepthHistogram::kBins> numbers;
   number_bins(clusters_, numbers);
-  for (Cell& cell : cells_) {
+  for (BoxCell& cell : cells_.cells) {
     if (cell.depth > 0.0F)
       cell.cluster = numbers[static_cast<std::size_t>(DepthHistogram::bin_of(cell.depth))];
   }
@@ -169,37 +133,37 @@ void ObjectInBox::make_cells(const ByteView& image, const FloatImage& depth, con
 // Which clusters hide which, and which go on outside the box.
 void ObjectInBox::find_contour() {
   contour_ = {};
-  const int width = grid_.width;
-  const auto number = [](const Cell& cell) {
+  const int width = cells_.grid.width;
+  const auto number = [](const BoxCell& cell) {
     return static_cast<std::size_t>(cell.cluster < 0 ? kMostClusters : cell.cluster);
   };
-  const auto compare = [&](const Cell& a, const Cell& b) {
+  const auto compare = [&](const BoxCell& a, const BoxCell& b) {
     if (a.place == Place::outside || b.place == Place::outside || a.depth == 0.0F || b.depth == 0.0F) return;
     if (a.place == Place::ring && b.place == Place::ring) return;
     const float jump = b.depth - a.depth, least = least_jump(std::min(a.depth, b.depth));
     if (std::abs(jump) > least) {
-      const Cell& near = jump > 0.0F ? a : b;
-      const Cell& far = jump > 0.0F ? b : a;
+      const BoxCell& near = jump > 0.0F ? a : b;
+      const BoxCell& far = jump > 0.0F ? b : a;
       const std::size_t n = near.place == Place::ring ? kMostClusters : number(near);
       const std::size_t f = far.place == Place::ring ? kMostClusters : number(far);
       if (n != f) ++contour_.nearer[n][f];
     } else if (a.place != b.place) {
-      const Cell& in = a.place == Place::box ? a : b;
+      const BoxCell& in = a.place == Place::box ? a : b;
       if (in.cluster >= 0) ++contour_.goes_on[static_cast<std::size_t>(in.cluster)];
     }
   };
-  for (int row = 0; row < grid_.height; ++row) {
-    const Cell* cells = cells_.data() + static_cast<std::ptrdiff_t>(row) * width;
+  for (int row = 0; row < cells_.grid.height; ++row) {
+    const BoxCell* cells = cells_.cells.data() + static_cast<std::ptrdiff_t>(row) * width;
     for (int column = 0; column < width; ++column) {
       if (column + 1 < width) compare(cells[column], cells[column + 1]);
-      if (row + 1 < grid_.height) compare(cells[column], cells[column + width]);
+      if (row + 1 < cells_.grid.height) compare(cells[column], cells[column + width]);
     }
   }
 }
 
 ObjectInBox::Run ObjectInBox::best_run(const Rect& box, std::optional<double> past) {
   const int k = static_cast<int>(clusters_.size());
-  const int width = grid_.width, height = grid_.height;
+  const int width = cells_.grid.width, height = cells_.grid.height;
   in_columns_.assign(static_cast<std::size_t>(k * width), 0);
   in_rows_.assign(static_cast<std::size_t>(k * height), 0);
   std::array<int, 128> in_box{}, in_ring{};
@@ -207,7 +171,7 @@ ObjectInBox::Run ObjectInBox::best_run(const Rect& box, std::optional<double> pa
   Rect box_grid;
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
-      const Cell& cell = cells_[static_cast<std::size_t>(row * width + column)];
+      const BoxCell& cell = cells_.cells[static_cast<std::size_t>(row * width + column)];
       if (cell.place == Place::outside) continue;
       const bool is_box = cell.place == Place::box;
       (is_box ? box_cells : ring_cells) += 1;
@@ -271,109 +235,27 @@ ObjectInBox::Run ObjectInBox::best_run(const Rect& box, std::optional<double> pa
   return best;
 }
 
-int ObjectInBox::step_cost(const Cell& from, const Cell& to) {
-  const float g = difference(from.colour, to.colour) / kColourStep;
-  const float colour = std::min(kMostColour, g * g);
-  if (from.depth == 0.0F || to.depth == 0.0F) return 4 + static_cast<int>(colour);
-  const float jump = (from.depth - to.depth) / (0.02F + 0.005F * from.depth * from.depth);
-  return 1 + static_cast<int>(std::min(100.0F, jump * jump) + colour);
-}
-
-// Step 2: gives each cell to the object or to the rest, whichever is nearer.
-void ObjectInBox::grow(const Run& run) {
-  const int width = grid_.width;
-  const auto in_run = [&](const Cell& cell) { return cell.cluster >= run.first && cell.cluster <= run.last; };
-  const double nearest = clusters_[static_cast<std::size_t>(run.first)].mean - kNearerThanRun;
-  const double farthest =
-      DepthHistogram::depth_of(clusters_[static_cast<std::size_t>(run.last)].last) + kFartherThanRun;
-  const auto gap = [&](int ring, int length) {
-    return ring - static_cast<int>(std::lround(kGap * (length - 2 * ring)));
-  };
-  const int gap_x = gap(ring_.width, width), gap_y = gap(ring_.height, grid_.height);
-  const auto near_box = [&](int at) {
-    const int column = at % width, row = at / width;
-    return column >= gap_x && column < width - gap_x && row >= gap_y && row < grid_.height - gap_y;
-  };
-  constexpr int kFar = 1 << 29;
-  distance_.assign(cells_.size(), kFar);
-  for (std::vector<int>& bucket : buckets_) bucket.clear();
-  int left = 0;
-  const auto reach_cell = [&](int at, int distance, bool is_object) {
-    Cell& cell = cells_[static_cast<std::size_t>(at)];
-    if (distance >= distance_[static_cast<std::size_t>(at)]) return;
-    distance_[static_cast<std::size_t>(at)] = distance;
-    cell.is_object = is_object;
-    buckets_[static_cast<std::size_t>(distance) % buckets_.size()].push_back(at);
-    ++left;
-  };
-  for (int at = 0; at < grid_.area(); ++at) {
-    const Cell& cell = cells_[static_cast<std::size_t>(at)];
-    if (cell.place == Place::outside) continue;
-    const auto z = static_cast<double>(cell.depth);
-    if ((cell.place == Place::ring && !near_box(at)) || (z > 0.0 && (z > farthest || z < nearest)))
-      reach_cell(at, 0, false);
-  }
-  const auto spread = [&] {
-    for (int distance = 0; left > 0; ++distance) {
-      std::vector<int>& bucket = buckets_[static_cast<std::size_t>(distance) % buckets_.size()];
-      for (std::size_t n = 0; n < bucket.size(); ++n) {
-        const int at = bucket[n];
-        --left;
-        if (distance_[static_cast<std::size_t>(at)] != distance) continue;
-        const Cell& cell = cells_[static_cast<std::size_t>(at)];
-        const int column = at % width, row = at / width;
-        const auto step_to = [&](int to) {
-          const Cell& next = cells_[static_cast<std::size_t>(to)];
-          if (next.place == Place::outside) return;
-          reach_cell(to, distance + step_cost(cell, next), cell.is_object);
-        };
-        if (column > 0) step_to(at - 1);
-        if (column + 1 < width) step_to(at + 1);
-        if (row > 0) step_to(at - width);
-        if (row + 1 < grid_.height) step_to(at + width);
-      }
-      bucket.clear();
-    }
-  };
-  spread();
-  // What is hardest to reach from outside is certain.
-  far_.clear();
-  for (int at = 0; at < grid_.area(); ++at) {
-    const Cell& cell = cells_[static_cast<std::size_t>(at)];
-    if (cell.place == Place::box && in_run(cell))
-      far_.push_back(std::min(distance_[static_cast<std::size_t>(at)], kMostDistance));
-  }
-  if (far_.empty()) return;
-  const auto high = far_.begin() + static_cast<std::ptrdiff_t>(kHigh * static_cast<double>(far_.size() - 1));
-  std::nth_element(far_.begin(), high, far_.end());
-  const int certain = std::max(1, static_cast<int>(kCertain * *high));
-  for (int at = 0; at < grid_.area(); ++at) {
-    const Cell& cell = cells_[static_cast<std::size_t>(at)];
-    if (cell.place == Place::box && in_run(cell) && distance_[static_cast<std::size_t>(at)] >= certain)
-      reach_cell(at, 0, true);
-  }
-  spread();
-}
-
 // Step 3.
 void ObjectInBox::paint(const FloatImage& depth, const Rect& box, ObjectMask& found) const {
   found.mask.create(box.width, box.height);
-  const int width = grid_.width;
-  for (int row = 0; row < grid_.height; ++row) {
+  const int width = cells_.grid.width;
+  for (int row = 0; row < cells_.grid.height; ++row) {
     for (int column = 0; column < width; ++column) {
-      const Cell& cell = cells_[static_cast<std::size_t>(row * width + column)];
+      const BoxCell& cell = cells_.cells[static_cast<std::size_t>(row * width + column)];
       if (cell.place != Place::box) continue;
       float own = 0.0F, other = 0.0F;  // sums of depths around
       int owns = 0, others = 0;
-      for (int y = std::max(0, row - 1); y <= std::min(grid_.height - 1, row + 1); ++y) {
+      for (int y = std::max(0, row - 1); y <= std::min(cells_.grid.height - 1, row + 1); ++y) {
         for (int x = std::max(0, column - 1); x <= std::min(width - 1, column + 1); ++x) {
-          const Cell& near = cells_[static_cast<std::size_t>(y * width + x)];
+          const BoxCell& near = cells_.cells[static_cast<std::size_t>(y * width + x)];
           if (near.depth == 0.0F) continue;
           (near.is_object ? own : other) += near.depth;
           ++(near.is_object ? owns : others);
         }
       }
-      const Rect pixels = intersection({grid_.x + column * side_, grid_.y + row * side_, side_, side_}, box);
+      const Rect pixels = intersection(
+          {cells_.grid.x + column * cells_.side, cells_.grid.y + row * cells_.side, cells_.side, cells_.side},
+          box);
       const bool is_edge = owns > 0 && others > 0;
       const float own_depth = own / static_cast<float>(std::max(1, owns));
       const float other_depth = other / static_cast<float>(std::max(1, others));

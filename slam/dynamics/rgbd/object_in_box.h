@@ -21,19 +21,13 @@
 //      around the object. hides, hidden: pairs of neighbouring cells with a jump in depth where the run's is
 //      the nearer or the farther one: an outline belongs to what is in front. goes on: such pairs without a
 //      jump on the border of the box. w, h: the box in cells.
-//   2. That depth belongs to other things as well, to the desk beside a person. How far a cell is from
-//      outside, that is from the ring and from depths in the box that cannot be the object's, is the
-//      length of the shortest path from cell to cell, of which a step from depth z to z' and colour c to c'
-//      (the channel that differs most) costs
-//        1 + min(100, ((z - z') / (0.02 m + 0.005 z^2 / m))^2) + min(12, ((c - c') / 8)^2)
-//      The run's cells that are hardest to reach are certain; every other goes to whom it is nearer, to them
-//      or to outside. Cells up to 3 % beside the box are not outside: a detector's boxes cut things off.
+//   2. That depth belongs to other things as well, to the desk beside a person: the cells are shared out
+//      between the object and what is outside (cell_growth.h).
 //   3. Pixels of cells at the edge of what was found go to the side whose depth is nearer to their own.
 //
 // Where no depths stand out in the box, as with a keyboard on a desk, the whole box is the object; so it is
 // where the box has hardly any depths. Cost: docs/benchmarks.md.
-// Source: Fang, Zhang, Wang (see depth_repair.h); the second mode is ours, its shortest paths are those of
-// Bai and Sapiro, A geodesic framework for fast interactive image and video segmentation (ICCV 2007).
+// Source: Fang, Zhang, Wang (see depth_repair.h); the second mode is ours.
 #pragma once
 
 #include <array>
@@ -41,6 +35,8 @@
 #include <vector>
 
 #include "nn/image/image.h"
+#include "slam/dynamics/rgbd/box_cells.h"
+#include "slam/dynamics/rgbd/cell_growth.h"
 #include "slam/dynamics/rgbd/depth_kmeans.h"
 
 namespace penumbra::slam {
@@ -76,14 +72,6 @@ class ObjectInBox {
 
  private:
   static constexpr int kMostClusters = 16;
-  enum class Place : std::uint8_t { outside, ring, box };
-  struct Cell {
-    float depth = 0.0F;  // metres; 0: unknown
-    std::array<std::uint8_t, 3> colour{};
-    Place place = Place::outside;
-    std::int8_t cluster = -1;
-    bool is_object = false;
-  };
   struct Run {
     int first = 0, last = 0;  // clusters
     double score = -1.0;
@@ -93,11 +81,9 @@ class ObjectInBox {
     std::array<int, kMostClusters> goes_on{};                                    // into the ring
   };
   void find_as_paper(const FloatImage& depth, const Rect& box, ObjectMask& found);
-  void make_cells(const ByteView& image, const FloatImage& depth, const Rect& box);
+  void cut_into_clusters(const ByteView& image, const FloatImage& depth, const Rect& box);
   void find_contour();
   Run best_run(const Rect& box, std::optional<double> past);
-  static int step_cost(const Cell& from, const Cell& to);
-  void grow(const Run& run);
   void paint(const FloatImage& depth, const Rect& box, ObjectMask& found) const;
 
   const double focal_length_;
@@ -105,14 +91,10 @@ class ObjectInBox {
   DepthHistogram histogram_;
   DepthKmeans kmeans_;
   std::vector<DepthCluster> clusters_;
-  int side_ = 1;             // pixels of a cell
-  Size ring_;                // cells, on each side of the box
-  Rect grid_;                // x, y: pixel where the cells begin; size in cells
-  std::vector<Cell> cells_;  // of the box and the ring
+  BoxCells cells_;  // of the box and the ring
   Contour contour_;
   std::vector<int> in_columns_, in_rows_;  // [cluster][column or row]: cells in the box
-  std::vector<int> distance_, far_;
-  std::array<std::vector<int>, 256> buckets_;  // cells by distance modulo 256
+  CellGrowth growth_;
 };
 
 }  // namespace penumbra::slam
