@@ -66,7 +66,7 @@ slam::SlamSettings settings_of(const AblationCell& cell) {
   settings.deterministic = cell.run == 0;
   if (cell.all_frames) settings.semantics.mode = slam::SegmentationMode::all;
   settings.tracker.mismatch_filter.mode = slam::mismatch_filter_mode(cell.filter);
-  settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
+  settings.semantics.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
       cell.masks != MaskSource::none;
   settings.semantics.instances.check_motion =
       cell.masks == MaskSource::geometry || (cell.masks == MaskSource::truth && !cell.is_office());
@@ -192,7 +192,9 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
     const slam::StereoImages images = frames.next();
     const slam::FrameResult& result = record.add(slam.process(images));
     if (points) points->judge(images.index, slam.newest_view(), judged);
-    if (!cell.is_office() || result.movable_features <= most_movable) continue;
+    // Before there was no earlier view to give anything back by.
+    const bool is_late = images.index >= cell.frames / 2;
+    if (!cell.is_office() || !is_late || result.movable_features <= most_movable) continue;
     most_movable = result.movable_features;
     nn::write_image(pictures / (cell.name() + ".png"), draw_frame(images.left, slam.newest_view()));
   }

@@ -1,8 +1,14 @@
 #include "apps/slam/ablation_cells.h"
 
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <utility>
+
 #include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
 #include "apps/slam/ablation_tables.h"
+#include "nn/base/crc32.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 
@@ -10,42 +16,55 @@ namespace penumbra::apps {
 
 namespace {
 
-// The file of the cell's network; empty: it has none.
-std::string weights_of(const AblationCell& cell, const std::vector<NamedWeights>& weights) {
+// The cell's network; without a name: it has none.
+NamedWeights weights_of(const AblationCell& cell, const std::vector<NamedWeights>& weights) {
   for (const NamedWeights& network : weights) {
-    if (network.name == cell.weights) return network.file;
+    if (network.name == cell.weights) return network;
   }
   return {};
 }
 
-// Makes the folders below `out`; throws Error where they cannot be made.
-void prepare_cells(const std::filesystem::path& out) {
-  for (const char* folder : {"cells", "drives"}) {
-    std::error_code error;
-    std::filesystem::create_directories(out / folder, error);
-    if (error) throw Error(fmt::format("{}: cannot be made: {}", (out / folder).string(), error.message()));
+// What a result says of the cell that it belongs to.
+nlohmann::json identity_of(const AblationCell& cell, const NamedWeights& network) {
+  nlohmann::json identity = {{"preset", cell.preset},
+                             {"seed", cell.seed},
+                             {"frames", cell.frames},
+                             {"masks", name_of(cell.masks)},
+                             {"weights", cell.weights},
+                             {"filter", cell.filter},
+                             {"office", cell.is_office()},
+                             {"all_frames", cell.all_frames},
+                             {"run", cell.run}};
+  if (!network.content.empty()) identity["weights_content"] = network.content;
+  return identity;
+}
+
+// Whether `known`, from a file, is the whole result of that cell.
+bool is_result_of(const nlohmann::json& known, const nlohmann::json& identity) {
+  if (!known.is_object()) return false;
+  for (const auto& [key, value] : identity.items()) {
+    if (!known.contains(key) || known[key] != value) return false;
   }
+  constexpr const char* kFigures[] = {"ate_m",       "rpe_m", "angle_deg", "loops",    "loop_precision",
+                                      "loop_recall", "lost",  "occluded",  "median_ms"};
+  return std::all_of(std::begin(kFigures), std::end(kFigures),
+                     [&](const char* figure) { return known.contains(figure) && known[figure].is_number(); });
 }
 
 // The cell's result, from its file where it has one.
 nlohmann::json result_of(const AblationCell& cell, const std::filesystem::path& out,
                          const std::vector<NamedWeights>& weights) {
+  const NamedWeights network = weights_of(cell, weights);
+  const nlohmann::json identity = identity_of(cell, network);
   const std::filesystem::path file = out / "cells" / (cell.name() + ".json");
   if (std::filesystem::exists(file)) {
-    nlohmann::json known = nlohmann::json::parse(nn::read_file(file, "a cell"), nullptr, false);
-    if (known.is_object()) return known;
+    nlohmann::json known = nlohmann::json::parse(nn::read_file(file, "a cell's result"), nullptr, false);
+    if (is_result_of(known, identity)) return known;
+    log_info("{}: not this cell's whole result, made anew", file.string());
   }
   const std::filesystem::path drive = render_drive(cell, out / "drives");
-  nlohmann::json result = run_cell(cell, drive, weights_of(cell, weights), out / "cells");
-  result["preset"] = cell.preset;
-  result["seed"] = cell.seed;
-  result["frames"] = cell.frames;
-  result["masks"] = name_of(cell.masks);
-  result["weights"] = cell.weights;
-  result["filter"] = cell.filter;
-  result["office"] = cell.is_office();
-  result["all_frames"] = cell.all_frames;
-  result["run"] = cell.run;
+  nlohmann::json result = run_cell(cell, drive, network.file, out / "cells");
+  result.update(identity);
   nn::write_file(file, result.dump(2) + "\n");
   return result;
 }
@@ -53,14 +72,23 @@ nlohmann::json result_of(const AblationCell& cell, const std::filesystem::path& 
 }  // namespace
 
 std::vector<NamedWeights> named_weights(const std::vector<std::string>& texts) {
+  constexpr const char* kNameCharacters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._+-";
   std::vector<NamedWeights> weights;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
-    if (equals == text.npos) {
-      weights.push_back({std::filesystem::path(text).stem().string(), text});
-    } else {
-      weights.push_back({text.substr(0, equals), text.substr(equals + 1)});
+    NamedWeights network;
+    network.file = equals == text.npos ? text : text.substr(equals + 1);
+    network.name = equals == text.npos ? std::filesystem::path(text).stem().string() : text.substr(0, equals);
+    if (network.name.empty() || network.name.find_first_not_of(kNameCharacters) != network.name.npos) {
+      throw UsageError(
+          fmt::format("--weights: expected a name of letters, digits, '.', '_', '+' and '-', found '{}'; "
+                      "name them, NAME=FILE",
+                      network.name));
     }
+    const std::string bytes = nn::read_file(network.file, "weights");
+    network.content = fmt::format("{} bytes, CRC-32 {:08x}", bytes.size(), nn::crc32(bytes));
+    weights.push_back(std::move(network));
   }
   for (std::size_t i = 0; i < weights.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -94,11 +122,20 @@ void add_cells(AblationCell cell, int runs, const std::vector<NamedWeights>& wei
 
 nlohmann::json run_cells(const std::string& title, const std::vector<AblationCell>& cells,
                          const std::filesystem::path& out, const std::vector<NamedWeights>& weights) {
-  prepare_cells(out);
+  for (const char* folder : {"cells", "drives"}) nn::make_writable_folder(out / folder);
+  std::set<std::string> without_truth;  // recordings
   nlohmann::json results = nlohmann::json::array();
   ProgressBar progress(title, static_cast<int>(cells.size()), "cells");
   for (const AblationCell& cell : cells) {
     results.push_back(result_of(cell, out, weights));
+    if (cell.is_office() && !results.back().contains("moving_recall") &&
+        without_truth.insert(cell.drive_name()).second) {
+      log_warning(
+          "{}: no flow, no true depth or no instances, so what became of its points stays empty; remove the "
+          "folder and "
+          "its cells to have them made anew",
+          (out / "drives" / cell.drive_name()).string());
+    }
     log_info("{}: ATE {:.4f} m", cell.name(), results.back()["ate_m"].get<double>());
     progress.update(static_cast<int>(results.size()));
   }

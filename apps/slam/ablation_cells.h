@@ -2,7 +2,8 @@
 // already is not run again.
 //
 //   OUT/drives/NAME        recordings, made once
-//   OUT/cells/NAME.json    a cell's figures; for the office beside it NAME.svg, its path, and NAME.png, what
+//   OUT/cells/NAME.json    a cell's figures, whole; a file that is anything else is written anew. For the
+//   office beside it NAME.svg, its path, and NAME.png, what
 //                          became of the features of the frame with the most on people
 #pragma once
 
@@ -18,9 +19,11 @@ namespace penumbra::apps {
 
 struct NamedWeights {
   std::string name, file;
+  std::string content;  // the file's size and CRC-32: results of other weights under this name do not count
 };
 
-// Of NAME=FILE or FILE, whose name it then has. UsageError for two of the same name.
+// Of NAME=FILE or FILE, whose name it then has. UsageError for two of the same name, and for a name that
+// would not do in the names of files; InputError for a file that cannot be read.
 std::vector<NamedWeights> named_weights(const std::vector<std::string>& texts);
 
 // Adds the cell, `runs` times or, where that is 0, once and deterministic, with every network where it takes

@@ -88,7 +88,8 @@ img { max-width: 100%; }
 figcaption { font-weight: bold; }
 </style>
 <h1>People before the camera</h1>
-<p>Paths against the true ones, from above. Features of the frame with the most on people: green, of the map;
+<p>Paths against the true ones, from above. Features of the frame, of the second half's,
+with the most on people: green, of the map;
 red, left out; yellow, others.</p>
 )" + html_of(table);
   for (const AblationCell& cell : cells) {

@@ -14,6 +14,7 @@
 #include "apps/slam/mask_pictures.h"
 #include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
+#include "nn/base/file.h"
 #include "nn/image/grey.h"
 #include "nn/image/image_file.h"
 #include "nn/image/shapes.h"
@@ -31,8 +32,8 @@ namespace {
 constexpr int kFewestPixels = 300, kShortestSide = 24;  // of an object that is looked at
 
 struct EvalMasksOptions {
-  std::string folder, masks, clean, pictures;
-  int step = 1;
+  std::string folder, masks, people, clean, pictures;
+  int step = 1, margin = 0;
   double box_error = 0.02;
 };
 
@@ -168,6 +169,14 @@ void print(const Results& results) {
   }
 }
 
+void make_picture_folder(const std::filesystem::path& folder) {
+  try {
+    nn::make_writable_folder(folder);
+  } catch (const Error& error) {
+    throw Error(fmt::format("--pictures: expected a folder that can be made and written; {}", error.what()));
+  }
+}
+
 void run_eval_masks(const EvalMasksOptions& options) {
   slam::DatasetOptions from;
   from.step = options.step;
@@ -177,13 +186,15 @@ void run_eval_masks(const EvalMasksOptions& options) {
   const auto place = [&](const std::string& given, const char* usual) {
     return given.empty() ? std::filesystem::path(options.folder) / usual : std::filesystem::path(given);
   };
-  const slam::Segmenter truths = make_mask_reader(place(options.masks, "instances"));
+  const slam::Segmenter truths = options.people.empty()
+                                     ? make_mask_reader(place(options.masks, "instances"))
+                                     : make_people_mask_reader(options.people, options.margin);
   std::optional<TrueDepths> clean_depths;
   const std::filesystem::path clean_folder = place(options.clean, "depth_clean");
   if (!options.clean.empty() || std::filesystem::exists(clean_folder))
     clean_depths.emplace(options.folder, clean_folder);
 
-  if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
+  if (!options.pictures.empty()) make_picture_folder(options.pictures);
   Results results;
   for (const Method& method : kMethods) results.iou[method.name] = {};
   slam::FeatureMeasurer measurer(dataset->sensor(), slam::OrbSettings{}, 1);
@@ -227,14 +238,26 @@ void add_eval_masks_command(CLI::App& app) {
   command->footer(R"(Examples:
   penumbra eval-masks out/walking_xyz --step 5
   penumbra eval-masks out/walking_xyz --box-error 0 --pictures out/steps
+  penumbra eval-masks out/fr3_frame --people-masks out/fr3_frame/people --mask-margin 8
 
 Takes the boxes of exact masks, off by --box-error as a detector's are, and finds the objects in them by depth: in the letter of
-the paper and as --dynamics depth-clusters does, and which features in them as --dynamics static-points does. Prints the mean IoU with the exact masks, people by how they are seen, and, where
-the recording has clean depth, what each way to repair it fills, and how well. docs/dynamics/depth-clusters.md has the table.)");
+the paper and as --dynamics depth-clusters does, and which features in them as --dynamics static-points does. Prints the mean IoU
+with the exact masks, people by how they are seen, and, where the recording has clean depth, what each way to repair it fills, and how well. docs/dynamics/depth-clusters.md has the table.)");
   command->add_option("folder", options->folder, "RGB-D recording, as `penumbra synth` writes it")
       ->required();
   command->add_option("--masks", options->masks, "its exact masks (default: instances in the folder)")
       ->type_name("DIR");
+  CLI::Option* people =
+      command
+          ->add_option("--people-masks", options->people,
+                       "instead of exact masks 8-bit ones that are 0 on people, as DynaSLAM saves "
+                       "them")
+          ->excludes("--masks")
+          ->type_name("DIR");
+  command->add_option("--mask-margin", options->margin, "pixels by which those are too wide")
+      ->needs(people)
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   command
       ->add_option("--clean-depth", options->clean,
                    "its depth without noise (default: depth_clean in the folder)")

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -7,6 +8,7 @@
 #include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
 #include "nn/image/image_file.h"
+#include "nn/image/shapes.h"
 #include "slam/sources/folder_listing.h"
 
 namespace penumbra::apps {
@@ -16,6 +18,7 @@ namespace {
 constexpr int kFewestMaskPixels = 20;
 
 using Instances = std::map<int, MadeInstance>;
+using MaskFiles = std::map<int, std::filesystem::path>;  // by the numbers of their frames
 
 // From beside the folder or in it.
 Instances read_instances(const std::filesystem::path& folder) {
@@ -56,10 +59,10 @@ std::vector<slam::Instance> instances_of(const WordImage& numbers, const Instanc
 
 // The masks, by the numbers of their frames: NNNNNN.png, or, where none is named so, the images in the order
 // of their names.
-std::map<int, std::filesystem::path> list_masks(const std::filesystem::path& folder) {
+MaskFiles list_masks(const std::filesystem::path& folder) {
   constexpr std::size_t kDigits = 6;
   std::vector<std::filesystem::path> images;
-  std::map<int, std::filesystem::path> numbered;
+  MaskFiles numbered;
   for (const std::filesystem::path& path : slam::list_folder(folder)) {
     if (nn::image_ending(path) != ".png") continue;
     images.push_back(path);
@@ -72,21 +75,66 @@ std::map<int, std::filesystem::path> list_masks(const std::filesystem::path& fol
   return numbered;
 }
 
+// Takes `margin` pixels off the outlines of what is not 0.
+void take_off(int margin, ByteImage& mask) {
+  const ByteImage wide = mask.clone();
+  const auto is_inside = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < wide.width() && y < wide.height() && wide.at(x, y) != 0;
+  };
+  for (int y = 0; y < wide.height(); ++y) {
+    for (int x = 0; x < wide.width(); ++x) {
+      if (wide.at(x, y) == 0 &&
+          (is_inside(x - 1, y) || is_inside(x + 1, y) || is_inside(x, y - 1) || is_inside(x, y + 1)))
+        fill_disc(mask, {x, y}, margin, 0);
+    }
+  }
+}
+
+// `mask`: 0 on people, and by `margin` pixels too wide. What hangs together is a person.
+std::vector<slam::Instance> people_of(ByteImage mask, int margin) {
+  std::transform(mask.data(), mask.data() + mask.elements(), mask.data(),
+                 [](std::uint8_t value) { return static_cast<std::uint8_t>(value == 0 ? 255 : 0); });
+  take_off(margin, mask);
+  Image<std::int32_t> labels;
+  Instances people;
+  for (int n = connected_components(mask, labels); n > 0; --n) people[n].class_name = "person";
+  WordImage numbers(mask.width(), mask.height());
+  std::transform(labels.data(), labels.data() + labels.elements(), numbers.data(),
+                 [](std::int32_t label) { return static_cast<std::uint16_t>(label); });
+  return instances_of(numbers, people);
+}
+
+// Throws InputError for a mask at `path` of another size than the frame's image.
+void require_size(const std::filesystem::path& path, const Size& size, const Size& expected) {
+  if (size == expected) return;
+  throw InputError(path.string(), fmt::format("{}x{} pixels", expected.width, expected.height),
+                   fmt::format("{}x{}", size.width, size.height));
+}
+
 }  // namespace
+
+slam::Segmenter make_people_mask_reader(const std::filesystem::path& folder, int margin) {
+  const auto masks = std::make_shared<const MaskFiles>(list_masks(folder));
+  if (masks->empty()) throw InputError(folder.string(), "PNG masks that are 0 on people", "none");
+  return [masks, margin](const slam::ImageToSegment& from) -> std::vector<slam::Instance> {
+    const auto known = masks->find(from.frame);
+    if (known == masks->end()) return {};
+    ByteImage mask = nn::read_image(known->second, nn::ImageColour::grey);
+    require_size(known->second, mask.size(), from.image.size());
+    return people_of(std::move(mask), margin);
+  };
+}
 
 slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
   const auto names = std::make_shared<const Instances>(read_instances(folder));
-  const auto masks = std::make_shared<const std::map<int, std::filesystem::path>>(list_masks(folder));
+  const auto masks = std::make_shared<const MaskFiles>(list_masks(folder));
   return [masks, names](const slam::ImageToSegment& from) -> std::vector<slam::Instance> {
     const ByteImage& image = from.image;
     const auto known = masks->find(from.frame);
     if (known == masks->end()) return {};
     const std::filesystem::path& path = known->second;
     const WordImage numbers = nn::read_depth_image(path, "a 16-bit grey PNG of instance numbers");
-    if (numbers.size() != image.size()) {
-      throw InputError(path.string(), fmt::format("{}x{} pixels", image.width(), image.height()),
-                       fmt::format("{}x{}", numbers.width(), numbers.height()));
-    }
+    require_size(path, numbers.size(), image.size());
     return instances_of(numbers, *names);
   };
 }

@@ -32,5 +32,9 @@ slam::Segmenter make_segmenter(const std::filesystem::path& masks, const slam::S
 // {"17": {"class": "car"}}. Scores are 1. A frame without a file shows nothing. Throws InputError for files
 // that are not that, from here or from the segmenter.
 slam::Segmenter make_mask_reader(const std::filesystem::path& folder);
+// Reads masks as DynaSLAM saves them: 8-bit images, found in the same way, that are 0 on people and wider
+// than these; `margin` pixels are taken off. What hangs together is one person. Errors as above, and
+// InputError for a folder without masks.
+slam::Segmenter make_people_mask_reader(const std::filesystem::path& folder, int margin);
 
 }  // namespace penumbra::apps

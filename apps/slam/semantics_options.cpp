@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <utility>
+
 #include "nn/base/error.h"
 #include "slam/pipeline/setting_fields.h"
 
@@ -60,6 +62,19 @@ void set_static_points(const SlamOptions& options, slam::SemanticsSettings& sema
   }
 }
 
+// UsageError for an option that says how masks are made of boxes, where they are not made so.
+void require_user_of(const SlamOptions& options, slam::InstanceMasks masks) {
+  constexpr std::pair<const char*, slam::InstanceMasks> kUsers[] = {
+      {"--repair", slam::InstanceMasks::depth_clusters},
+      {"--clusters", slam::InstanceMasks::depth_clusters},
+      {"--consistency", slam::InstanceMasks::depth_clusters},
+      {"--foreground", slam::InstanceMasks::dbscan}};
+  for (const auto& [option, user] : kUsers) {
+    if (masks != user && options.given.contains(option))
+      throw UsageError(fmt::format("{} is for --dynamics {} only", option, option_word(user)));
+  }
+}
+
 }  // namespace
 
 bool has_a_say(const SlamOptions& options, const char* name) {
@@ -89,6 +104,7 @@ void check_semantics(const SlamOptions& options, const slam::StereoDataset& data
       options.masks.empty()) {
     throw UsageError("--static-points: needs --weights or --masks, whose points it gives back");
   }
+  require_user_of(options, masks);
   if (masks == slam::InstanceMasks::detector || semantics.mode == slam::SegmentationMode::off) return;
   if (options.weights.empty() && options.masks.empty()) {
     throw UsageError(fmt::format("--dynamics {}: needs --weights, for the boxes of objects (or --masks)",

@@ -216,7 +216,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   if (says("--least-sharpness")) settings.tracker.least_sharpness = options.least_sharpness;
   set_semantics(options, settings.semantics);
   if (says("--movers")) {
-    settings.tracker.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
+    settings.semantics.rigid_mover.enabled = settings.semantics.instances.companions.enabled =
         options.movers == "on";
   }
   if (says("--localise")) settings.localise = options.localise;

@@ -22,7 +22,7 @@ nlohmann::json settings_json(const SlamRun& run, const slam::SlamSettings& s) {
           {"mismatch_filter", slam::name_of(s.tracker.mismatch_filter.mode)},
           {"segmentation", run.segmentation},
           {"moving", s.semantics.instances.check_motion ? "geometry" : "class"},
-          {"movers", s.tracker.rigid_mover.enabled},
+          {"movers", s.semantics.rigid_mover.enabled},
           {"constellation", s.loops.verifier.constellation.enabled},
           {"self_calibration", s.full_bundle.disparity_offset_sigma > 0.0},
           {"threads", s.threads},

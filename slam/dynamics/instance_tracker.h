@@ -48,6 +48,8 @@ class InstanceTracker : public Dynamics {
 
   // The newest frame has become `keyframe`.
   void set_keyframe(KeyFrame* keyframe) { history_.newest().keyframe = keyframe; }
+  // The last frames, for who looks back as well; the newest is begun by before_pose().
+  const FrameHistory& history() const { return history_; }
   // Whether the frame has become a keyframe of which a late result may still tell more.
   bool is_keyframe(int frame) const;
   // Per feature of the newest frame: 1 where it lies on something that moves.

@@ -7,7 +7,15 @@ namespace penumbra::slam {
 
 void Movers::before_pose(const FrameBeforePose& frame, std::vector<char>& /*movable*/) {
   features_ = frame.features;
+  index_ = frame.index;
   time_ = usable_time(frame.time, frame.index);
+}
+
+WorldPose Movers::among_pairs(const PosePairs& pairs, std::vector<char>* movable) const {
+  SeparatedMotions motions = separate_motions(pairs.camera, pairs.observations, pairs.dominant,
+                                              pairs.predicted, static_cast<std::uint64_t>(index_), rigid_);
+  if (motions.mover && movable != nullptr) mark_mover(motions, *features_, *movable);
+  return {std::move(motions.world), std::move(motions.mover)};
 }
 
 std::vector<Instance> Movers::after_pose(const FrameAfterPose& frame, std::vector<char>& movable) {

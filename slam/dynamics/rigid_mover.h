@@ -41,6 +41,20 @@ struct SeparatedMotions {
   double nearest = 0.0, farthest = 0.0;  // depths of the mover, metres
 };
 
+// The pairs of a frame with the last one, while it is being located.
+struct PosePairs {
+  const StereoCamera& camera;  // as the map has it
+  std::span<const PoseObservation> observations;
+  const PoseEstimate& dominant;       // the pose with the most inliers
+  std::optional<SE3> predicted = {};  // what was expected, if anything was
+};
+
+// What they say of the world; where nothing large moves, the dominant pose.
+struct WorldPose {
+  PoseEstimate estimate;
+  std::optional<Instance> mover = {};
+};
+
 // `dominant`: the pose with the most inliers; `predicted`: what was expected, if anything was.
 SeparatedMotions separate_motions(const StereoCamera& camera, std::span<const PoseObservation> observations,
                                   const PoseEstimate& dominant, const std::optional<SE3>& predicted,

@@ -8,19 +8,17 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr int kCell = 16;     // pixels
-constexpr int kFrames = 120;  // that are remembered: a third of a second at 360 Hz
+constexpr int kCell = 16;  // pixels
 
 }  // namespace
 
 StaticPoints::StaticPoints(const StereoCamera& camera, std::vector<double> scales,
-                           const StaticPointSettings& settings)
-    : camera_(camera), scales_(std::move(scales)), settings_(settings), history_(kFrames) {}
+                           const StaticPointSettings& settings, const FrameHistory& history)
+    : camera_(camera), scales_(std::move(scales)), settings_(settings), history_(history) {}
 
 void StaticPoints::before_pose(const FrameBeforePose& frame, std::vector<char>& movable) {
   count_ = {};
   if (settings_.constraint.mode == StaticPointMode::off) return;
-  history_.begin(frame.index, frame.time, frame.features, frame.T_step);
   // Where nothing can be given back nothing more is taken.
   if (earlier_view() != nullptr) add_companions(FeatureView(*frame.features, movable), movable);
 }
@@ -156,14 +154,14 @@ bool StaticPoints::between_poses(const FrameBetweenPoses& frame, std::vector<cha
   count_.left_out =
       static_cast<int>(std::count_if(movable.begin(), movable.end(), [](char m) { return m != 0; }));
   if (count_.left_out == 0) return false;
-  FrameRecord& now = history_.newest();
-  if (history_.size() >= 2) now.T_co = frame.T_step * history_.before_newest().T_co;
   const FrameRecord* earlier = earlier_view();
   if (earlier == nullptr) return false;
+  const FrameRecord& now = history_.newest();
+  const SE3 T_co = frame.T_step * history_.before_newest().T_co;  // by the first pose
   const FeatureView marked(*now.features, *frame.pixels, movable);
   find_marked_places(marked);
   verdicts_.assign(movable.size(), Verdict::unknown);
-  judge(*earlier, now.T_co * earlier->T_co.inverse(), FeatureView(*now.features, *frame.pixels, {}), movable);
+  judge(*earlier, T_co * earlier->T_co.inverse(), FeatureView(*now.features, *frame.pixels, {}), movable);
   back_.clear();
   for (int i = 0; i < marked.size(); ++i) {
     if (marked.is_movable(i) && stands(marked, i)) back_.push_back(i);
@@ -173,12 +171,6 @@ bool StaticPoints::between_poses(const FrameBetweenPoses& frame, std::vector<cha
     ++count_.given_back;
   }
   return count_.given_back > 0;
-}
-
-std::vector<Instance> StaticPoints::after_pose(const FrameAfterPose& frame, std::vector<char>& movable) {
-  if (settings_.constraint.mode != StaticPointMode::off)
-    history_.locate(frame.T_step, frame.reliable, frame.pixels, movable);
-  return {};
 }
 
 }  // namespace penumbra::slam

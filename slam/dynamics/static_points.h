@@ -11,8 +11,9 @@
 //
 // The earlier view is the newest located frame that is old enough for a walk to show, a third of a second. A
 // feature that finds no match there stands if all around it does; without judged neighbours it stays left
-// out: what is not known to stand is taken to move. Poses are odometry's. One thread uses it; it repeats bit
-// for bit.
+// out: what is not known to stand is taken to move. Poses are odometry's. The frames are those that the
+// tracker of instances keeps (instance_tracker.h), whose before_pose() and after_pose() come first. One
+// thread uses it; it repeats bit for bit.
 //
 // Cost: below 1 ms for 500 features on what can move; nothing where there are none.
 #pragma once
@@ -40,19 +41,24 @@ struct StaticPointSettings {
   double agreeing_share_unmatched = 0.75;     // ... around a feature without a match
 };
 
-// How many features were left out, found in the earlier view, and given back.
+// How many features were left out, found in the earlier view, and given back for a second pose, which may
+// fail.
 struct StaticPointCount {
   int left_out = 0, compared = 0, given_back = 0;
 };
 
 class StaticPoints : public Dynamics {
  public:
-  // `scales`: level_scales of the pyramid.
-  StaticPoints(const StereoCamera& camera, std::vector<double> scales, const StaticPointSettings& settings);
+  // `scales`: level_scales of the pyramid. `history` is read while the object lives, and should reach back to
+  // StaticPointSettings::least_age.
+  StaticPoints(const StereoCamera& camera, std::vector<double> scales, const StaticPointSettings& settings,
+               const FrameHistory& history);
 
   void before_pose(const FrameBeforePose& frame, std::vector<char>& movable) override;
   bool between_poses(const FrameBetweenPoses& frame, std::vector<char>& movable) override;
-  std::vector<Instance> after_pose(const FrameAfterPose& frame, std::vector<char>& movable) override;
+  std::vector<Instance> after_pose(const FrameAfterPose& /*frame*/, std::vector<char>& /*movable*/) override {
+    return {};
+  }
 
   const StaticPointCount& count() const { return count_; }  // of the newest frame
 
@@ -69,7 +75,7 @@ class StaticPoints : public Dynamics {
   const StereoCamera camera_;
   const std::vector<double> scales_;
   const StaticPointSettings settings_;
-  FrameHistory history_;
+  const FrameHistory& history_;
   StaticPointCount count_;
   std::vector<int> front_;               // features whose neighbours are to be left out
   std::vector<char> grown_;              // per feature, as `movable`

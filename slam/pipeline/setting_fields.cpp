@@ -63,9 +63,9 @@ void add(FieldList f, PlaceVerifierSettings& s) {
   f.number("fewest_supported_cells", s.fewest_supported_cells, "of 32 cells", 0.0, 32.0);
 }
 
-void add(FieldList f, TrackerSettings& s) {
+void add(FieldList f, TrackerSettings& s, RigidMoverSettings& rigid_mover) {
   add(f.group("mismatch_filter"), s.mismatch_filter);
-  add(f.group("rigid_mover"), s.rigid_mover);
+  add(f.group("rigid_mover"), rigid_mover);
   f.share("occluded_share", s.occluded_share);
   f.pixels("search_radius", s.search_radius);
   f.pixels("wide_search_radius", s.wide_search_radius);
@@ -170,7 +170,7 @@ std::vector<SettingField> setting_fields(SlamSettings& s) {
   std::vector<SettingField> fields;
   FieldList all("", fields);
   add(all.group("orb"), s.orb);
-  add(all.group("tracker"), s.tracker);
+  add(all.group("tracker"), s.tracker, s.semantics.rigid_mover);
   add(all.group("mapper"), s.mapper);
   add(all.group("place_index"), s.index);
   add(all.group("loops"), s.loops);

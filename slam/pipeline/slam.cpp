@@ -75,11 +75,12 @@ Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settin
       index_(settings.index),
       mapper_(map_, settings_.mapper),
       loop_closer_(map_, index_, settings.loops),
-      tracker_(map_, index_, settings_.tracker, timer_),
+      tracker_(map_, index_, settings_.tracker, timer_,
+               [this](const auto&... told) { return movers_.among_pairs(told...); }),
       instances_(camera_, map_.scales(), settings_.semantics.instances, map_.next_object_number()),
       movers_(camera_, map_.scales(), settings_.semantics.instances.companions,
-              settings_.semantics.instances.motion),
-      static_points_(camera_, map_.scales(), settings_.semantics.static_points),
+              settings_.semantics.instances.motion, settings_.semantics.rigid_mover),
+      static_points_(camera_, map_.scales(), settings_.semantics.static_points, instances_.history()),
       worker_(map_, mapper_, loop_closer_, settings_.full_bundle, !settings.deterministic),
       segmentation_(settings.semantics.mode == SegmentationMode::off ? Segmenter() : std::move(segmenter),
                     !settings.deterministic && settings.semantics.mode != SegmentationMode::all,
@@ -136,7 +137,9 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   frame.pyramid = &measurer_.pyramid();
   frame.movable = instances_.movable();
   movers_.before_pose(unlocated, frame.movable);
+  const Stopwatch reach;
   static_points_.before_pose(unlocated, frame.movable);
+  const double reach_ms = reach.milliseconds();
   frame.covered_share = instances_.covered_share();
   frame.objects = instances_.objects();
   frame.T_cw = frame.T_c_reference = {};
@@ -161,6 +164,8 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
     if (result.keyframe) work = make_keyframe(frame, result.tracking.starts_submap);
   }
   result.static_points = static_points_.count();
+  if (!result.tracking.second_pose) result.static_points.given_back = 0;
+  if (second_look_) timer_.add("static_points", reach_ms + result.tracking.second_look_ms);
   if (is_segmented(result) && !image.image.empty()) segmentation_.submit(image);
   if (work) worker_.submit(std::move(*work));
 
@@ -190,7 +195,6 @@ SE3 Slam::step_from_last(const SE3& T_cw) const {
 
 // What was left out, and stands still by the frame's first pose, is given back.
 bool Slam::find_what_stands(const SE3& T_cw, const FeaturePixels& pixels, std::vector<char>& movable) {
-  const auto scope = timer_.measure("static_points");
   const FrameBetweenPoses located{step_from_last(T_cw), &pixels};
   bool any = false;
   for (Dynamics* dynamics : dynamics_) any |= dynamics->between_poses(located, movable);

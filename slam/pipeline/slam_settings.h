@@ -6,6 +6,7 @@
 #include "slam/backend/map_worker.h"
 #include "slam/dynamics/instance_tracker_settings.h"
 #include "slam/dynamics/rgbd/depth_masks.h"
+#include "slam/dynamics/rigid_mover.h"
 #include "slam/dynamics/static_points.h"
 #include "slam/frontend/features/orb_extractor.h"
 #include "slam/frontend/locating/tracker_settings.h"
@@ -27,6 +28,7 @@ struct SemanticsSettings {
   // processors its threads would wait for each other whenever the tracker holds one of them.
   int threads = 0;
   InstanceTrackerSettings instances;
+  RigidMoverSettings rigid_mover;
   StaticPointSettings static_points;
   // How the segmenter that Slam is given makes masks of boxes; for who makes it.
   DepthMaskSettings depth_masks;

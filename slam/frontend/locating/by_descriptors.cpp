@@ -14,9 +14,8 @@ std::optional<SE3> pose_by_descriptors(const LocatingInput& in) {
   ransac.fewest_inliers = in.fewest(in.settings.fewest_frame_inliers);
   const std::optional<PnpResult> pnp = solve_pnp_ransac(camera, observations, ransac);
   if (!pnp) return std::nullopt;
-  return separate_motions(camera, observations, optimize_pose(camera, *pnp, observations), std::nullopt,
-                          ransac.seed, in.settings.rigid_mover)
-      .world.T_cw;
+  const PoseEstimate dominant = optimize_pose(camera, *pnp, observations);
+  return in.world_pose({camera, observations, dominant}).estimate.T_cw;
 }
 
 void locate_by_descriptors(const LocatingInput& in, const std::optional<SE3>& rough, Hypothesis& found,

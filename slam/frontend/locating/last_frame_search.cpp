@@ -19,20 +19,6 @@ std::vector<Match> without_mismatches(const std::vector<Match>& matches,
   return kept;
 }
 
-// The pose of the world, where `estimate` may be that of something large that moves; features on that are
-// marked.
-PoseEstimate leave_out_mover(const LocatingInput& in, const SE3& start,
-                             std::span<const PoseObservation> observations, const PoseEstimate& estimate,
-                             Hypothesis& found) {
-  const std::optional<SE3> expected = in.motion_known ? std::optional<SE3>(start) : std::nullopt;
-  SeparatedMotions motions =
-      separate_motions(in.map.camera(), observations, estimate, expected,
-                       static_cast<std::uint64_t>(in.frame.index), in.settings.rigid_mover);
-  if (motions.mover) mark_mover(motions, *in.frame.features, found.movable);
-  found.report.mover = std::move(motions.mover);
-  return std::move(motions.world);
-}
-
 }  // namespace
 
 void search_last_frame(const LocatingInput& in, const SE3& start, float radius,
@@ -60,8 +46,10 @@ void search_last_frame(const LocatingInput& in, const SE3& start, float radius,
     observations.push_back(
         {*in.last.point(match.source), measurement_of(measured, match.feature, in.map.scales())});
   }
-  const PoseEstimate estimate = leave_out_mover(
-      in, start, observations, optimize_pose(in.map.camera(), start, observations, prior), found);
+  const PoseEstimate dominant = optimize_pose(in.map.camera(), start, observations, prior);
+  const std::optional<SE3> expected = in.motion_known ? std::optional<SE3>(start) : std::nullopt;
+  auto [estimate, mover] = in.world_pose({in.map.camera(), observations, dominant, expected}, &found.movable);
+  found.report.mover = std::move(mover);
   if (estimate.inliers < in.fewest(in.settings.fewest_frame_inliers)) return;
   found.success = true;
   found.T_cw = estimate.T_cw;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "nn/base/stopwatch.h"
 #include "slam/frontend/locating/by_descriptors.h"
 #include "slam/frontend/locating/by_motion.h"
 #include "slam/frontend/locating/by_place.h"
@@ -29,7 +30,7 @@ TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
   if (located) {
     pairs_ = best_.report.frame_inliers;
     map_inliers_ = best_.off_map ? 0 : best_.inliers;
-    if (second_look && !best_.off_map) look_again(in, second_look);
+    if (second_look && !best_.off_map) look_again(in, second_look, report);
     static_cast<PairsReport&>(report) = std::move(best_.report);
     report.map_inliers = best_.inliers;
     report.off_map = best_.off_map;
@@ -62,6 +63,7 @@ LocatingInput Tracker::input(const Frame& frame) const {
   in.last_inliers = map_inliers_;
   in.reference = reference_;
   in.first_own_keyframe = first_own_keyframe_;
+  if (who_knows_) in.who_knows = &who_knows_;
   return in;
 }
 
@@ -84,11 +86,18 @@ void Tracker::locate(const LocatingInput& in) {
 }
 
 // The second pose, from the first, with what stands still after all. The first stays where it fails.
-void Tracker::look_again(const LocatingInput& in, const SecondLook& second_look) {
+void Tracker::look_again(const LocatingInput& in, const SecondLook& second_look, TrackingReport& report) {
+  const Stopwatch watch;
   other_ = best_;
-  if (!second_look(best_.T_cw, best_.pixels, best_.movable)) return;
-  search_local_map(in, in.prior, best_);
-  if (!best_.success) std::swap(best_, other_);
+  if (second_look(best_.T_cw, best_.pixels, best_.movable)) {
+    for (std::size_t i = 0; i < best_.points.size() && i < best_.movable.size(); ++i) {
+      if (best_.movable[i] != 0) best_.points[i] = nullptr;
+    }
+    search_local_map(in, in.prior, best_);
+    report.second_pose = best_.success;
+    if (!best_.success) std::swap(best_, other_);
+  }
+  report.second_look_ms = watch.milliseconds();
 }
 
 // Around the predicted pose. Where that is not clear, a wrong pose may have found itself a few pairs, as on a

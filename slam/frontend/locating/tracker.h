@@ -54,7 +54,9 @@ struct TrackingReport : PairsReport {
   bool recovered = false;  // a lost one, found again
   bool off_map = false;    // located by the last frame alone: its keyframe begins new ground
   bool wants_keyframe = false;
-  bool starts_submap = false;  // its keyframe is the first of a new sub-map
+  bool starts_submap = false;   // its keyframe is the first of a new sub-map
+  bool second_pose = false;     // located once more, with what the second look gave back
+  double second_look_ms = 0.0;  // the second look, and the pose after it
 };
 
 // Told where a frame is by a first pose, and where its features are, clears the marks (`movable`) of features
@@ -64,11 +66,14 @@ using SecondLook =
 
 class Tracker {
  public:
-  Tracker(Map& map, const PlaceIndex& index, const TrackerSettings& settings, StageTimer& timer)
+  // `who_knows`: may be empty, then what most pairs agree with is the world.
+  Tracker(Map& map, const PlaceIndex& index, const TrackerSettings& settings, StageTimer& timer,
+          WorldPoseFinder who_knows = {})
       : map_(map),
         index_(index),
         settings_(settings),
         timer_(timer),
+        who_knows_(std::move(who_knows)),
         first_own_keyframe_(map.next_keyframe_id()),
         last_(map),
         sharpness_(settings.least_sharpness) {}
@@ -93,7 +98,7 @@ class Tracker {
   LocatingInput input(const Frame& frame) const;
   std::optional<PosePrior> expectation(const Frame& frame, const SE3& predicted) const;
   void locate(const LocatingInput& in);
-  void look_again(const LocatingInput& in, const SecondLook& second_look);
+  void look_again(const LocatingInput& in, const SecondLook& second_look, TrackingReport& report);
   bool locate_from_last_frame(const LocatingInput& in);
   bool is_clear(const LocatingInput& in) const;
   bool follows_occluder(const LocatingInput& in) const;
@@ -111,6 +116,7 @@ class Tracker {
   const PlaceIndex& index_;
   const TrackerSettings settings_;
   StageTimer& timer_;
+  const WorldPoseFinder who_knows_;
   const int first_own_keyframe_;  // id; older ones are of a map that was loaded
 
   TrackingState state_ = TrackingState::initialising;

@@ -1,7 +1,6 @@
 // The settings of the tracker and of the ways to locate a frame.
 #pragma once
 
-#include "slam/dynamics/rigid_mover.h"
 #include "slam/frontend/features/mismatch_filter.h"
 #include "slam/frontend/locating/keyframe_choice.h"
 #include "slam/place/recognition.h"
@@ -10,7 +9,6 @@ namespace penumbra::slam {
 
 struct TrackerSettings {
   MismatchFilterSettings mismatch_filter;
-  RigidMoverSettings rigid_mover;
   double occluded_share = 0.3;       // of the image, covered by what moves, for a lost frame to be `occluded`
   float search_radius = 10.0F;       // pixels at level 0, around a projection with a known motion
   float wide_search_radius = 30.0F;  // the same when that finds too little

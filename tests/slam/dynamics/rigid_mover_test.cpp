@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "nn/base/counter_random.h"
+#include "slam/dynamics/movers.h"
 #include "tests/slam/world/synthetic.h"
 
 namespace penumbra::slam {
@@ -70,6 +71,36 @@ TEST(RigidMover, IsNotFoundWhereNothingMoves) {
   const SeparatedMotions motions = scene.separate(scene.T_cw);
   EXPECT_FALSE(motions.mover);
   EXPECT_LT((motions.world.T_cw.translation - scene.T_cw.translation).norm(), 0.02);
+}
+
+TEST(Movers, TellTheWorldAmongPairsAndMarkTheRest) {
+  const Scene scene(200, 60);
+  const auto features = std::make_shared<FrameFeatures>();
+  for (const PoseObservation& seen : scene.observations) {
+    const Eigen::Vector3d& pixel = seen.measurement.pixel;
+    features->left.keypoints.push_back(
+        {.u = static_cast<float>(pixel.x()), .v = static_cast<float>(pixel.y())});
+    features->left.descriptors.emplace_back();
+    features->u_right.push_back(static_cast<float>(pixel.z()));
+    features->depth.push_back(
+        static_cast<float>(scene.camera.fx * scene.camera.baseline / (pixel.x() - pixel.z())));
+  }
+  const PoseEstimate dominant = optimize_pose(scene.camera, SE3{}, scene.observations);
+  const PosePairs pairs{scene.camera, scene.observations, dominant};
+  for (const bool enabled : {true, false}) {
+    Movers movers(scene.camera, level_scales({}), {}, {}, {.enabled = enabled});
+    std::vector<char> movable(scene.observations.size(), 0);
+    movers.before_pose({1, 0.1, features, {}}, movable);
+    const WorldPose world = movers.among_pairs(pairs, &movable);
+    EXPECT_EQ(world.mover.has_value(), enabled);
+    EXPECT_EQ((world.estimate.T_cw.translation - scene.T_cw.translation).norm() < 0.02, enabled);
+    EXPECT_EQ(movers.among_pairs(pairs, nullptr).mover.has_value(), enabled);
+    std::ptrdiff_t on_lorry = 0, on_street = 0;
+    for (std::size_t i = 0; i < movable.size(); ++i)
+      (scene.observations[i].point.z() < 7.0 ? on_lorry : on_street) += movable[i];
+    EXPECT_EQ(on_lorry > 150, enabled);
+    EXPECT_LT(on_street, 5);
+  }
 }
 
 TEST(RigidMover, TakesNothingAtAll) {

@@ -59,7 +59,8 @@ class StaticPointsRoom {
 // A run in which all of the person is left out by its class before each pose.
 class StaticPointsRun {
  public:
-  explicit StaticPointsRun(StaticPointMode mode) : static_points_(room_.camera(), {1.0}, settings_of(mode)) {}
+  explicit StaticPointsRun(StaticPointMode mode)
+      : static_points_(room_.camera(), {1.0}, settings_of(mode), history_) {}
 
   // Returns the features of the next frame that are given back.
   int next(const Eigen::Vector3d& displacement) {
@@ -67,6 +68,7 @@ class StaticPointsRun {
     std::vector<char> movable(static_cast<std::size_t>(features->size()), 0);
     std::fill_n(movable.begin(), kPersonPoints, char{1});
     const SE3 T_step = room_.T_step(frame_);
+    history_.begin(frame_, frame_ * kFrameSeconds, features, T_step);
     static_points_.before_pose({frame_, frame_ * kFrameSeconds, features, T_step}, movable);
     FeaturePixels pixels;
     for (int i = 0; i < features->size(); ++i) pixels.push_back(FeatureView::measured_pixel(*features, i));
@@ -75,6 +77,7 @@ class StaticPointsRun {
     EXPECT_EQ(any, marked < kPersonPoints);
     EXPECT_EQ(static_points_.count().given_back, kPersonPoints - marked);
     EXPECT_EQ(static_points_.count().left_out, kPersonPoints);
+    history_.locate(T_step, true, nullptr, movable);
     static_points_.after_pose({T_step, true, nullptr, {}}, movable);
     ++frame_;
     return kPersonPoints - marked;
@@ -87,6 +90,7 @@ class StaticPointsRun {
     return settings;
   }
   StaticPointsRoom room_;
+  FrameHistory history_{60};
   StaticPoints static_points_;
   int frame_ = 0;
 };
@@ -124,7 +128,8 @@ TEST(StaticPoints, WhoGetsUpIsOutWithinThreeFrames) {
 
 TEST(StaticPoints, SwitchedOffNothingComesBack) {
   StaticPointsRoom room;
-  StaticPoints off(room.camera(), {1.0}, {});
+  const FrameHistory history(60);
+  StaticPoints off(room.camera(), {1.0}, {}, history);
   const auto features = room.features(0, Eigen::Vector3d::Zero());
   std::vector<char> movable(static_cast<std::size_t>(features->size()), 1);
   off.before_pose({0, 0.0, features, SE3{}}, movable);

@@ -1,4 +1,6 @@
-// What a hypothesis that was not taken leaves behind: nothing.
+// What a hypothesis that was not taken leaves behind: nothing. The second look at a located frame.
+#include "slam/frontend/locating/tracker.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +8,7 @@
 #include "nn/base/counter_random.h"
 #include "slam/pipeline/slam.h"
 #include "tests/slam/feature_world.h"
+#include "tests/slam/frontend/locating/locating_scene.h"
 #include "tests/slam/recorded_slam.h"
 
 namespace penumbra::slam {
@@ -76,6 +79,90 @@ TEST(Tracker, ALostFrameKeepsNothingOfTheHypotheses) {
   }
   slam.finish();
   EXPECT_TRUE(slam.instances().empty());
+}
+
+// A frame of which every third feature alone is surely the world's.
+class SecondLookTest : public test::LocatingScene {
+ protected:
+  // Locates a frame, and the one after it, which gets the second look.
+  struct Located {
+    Frame frame;
+    TrackingReport report;
+  };
+  Located locate(const SecondLook& second_look) {
+    frames = 0;
+    Tracker tracker(map, index, settings, timer);
+    Located located;
+    for (int i = 0; i < 2; ++i) {
+      located.frame = frame_at(world.T_cw(10.0 + 0.2 * i));
+      std::vector<char>& movable = located.frame.movable;
+      for (std::size_t k = 0; k < movable.size(); ++k) movable[k] = k % 3 != 0;
+      located.report = tracker.track(located.frame, i == 0 ? SecondLook{} : second_look);
+      EXPECT_EQ(located.report.state, TrackingState::tracking) << i;
+    }
+    return located;
+  }
+  static bool is_same_pose(const SE3& a, const SE3& b) {
+    return a.rotation == b.rotation && a.translation == b.translation;
+  }
+  static void expect_unchanged(const Located& first, const Located& second) {
+    EXPECT_FALSE(second.report.second_pose);
+    EXPECT_TRUE(is_same_pose(first.frame.T_cw, second.frame.T_cw));
+    EXPECT_EQ(first.frame.points, second.frame.points);
+    EXPECT_EQ(first.frame.movable, second.frame.movable);
+    EXPECT_EQ(first.report.map_inliers, second.report.map_inliers);
+  }
+  static int points_on(const Located& located, bool left_out_at_first) {
+    int points = 0;
+    for (std::size_t k = 0; k < located.frame.points.size(); ++k)
+      points += located.frame.points[k] != nullptr && (k % 3 != 0) == left_out_at_first;
+    return points;
+  }
+};
+
+TEST_F(SecondLookTest, LocatesFromTheFirstPoseByWhatStandsAsWell) {
+  const Located first = locate({});
+  EXPECT_FALSE(first.report.second_pose);
+  EXPECT_EQ(points_on(first, true), 0);
+  int looks = 0;
+  const Located second =
+      locate([&](const SE3& T_cw, const FeaturePixels& pixels, std::vector<char>& movable) {
+        ++looks;
+        EXPECT_TRUE(is_same_pose(T_cw, first.frame.T_cw));
+        EXPECT_EQ(pixels.size(), movable.size());
+        for (std::size_t k = 1; k < movable.size(); k += 3) movable[k] = 0;  // the half of what was left out
+        return true;
+      });
+  EXPECT_EQ(looks, 1);
+  EXPECT_TRUE(second.report.second_pose);
+  EXPECT_GT(second.report.second_look_ms, 0.0);
+  EXPECT_FALSE(is_same_pose(first.frame.T_cw, second.frame.T_cw));
+  const SE3 truth = world.T_cw(10.2);
+  EXPECT_LT((second.frame.T_cw * truth.inverse()).translation.norm(), 0.05);
+  // The world's points are kept, those that stand join, the others stay out.
+  EXPECT_GE(points_on(second, false), points_on(first, false) * 9 / 10);
+  EXPECT_GT(points_on(second, true), points_on(first, false) / 2);
+  EXPECT_GT(second.report.map_inliers, first.report.map_inliers * 3 / 2);
+  for (std::size_t k = 0; k < second.frame.points.size(); ++k) {
+    EXPECT_EQ(second.frame.movable[k], k % 3 == 2) << k;
+    if (k % 3 == 2) {
+      EXPECT_EQ(second.frame.points[k], nullptr) << k;
+    }
+  }
+}
+
+TEST_F(SecondLookTest, TheFirstPoseStaysWhereNothingStands) {
+  const Located first = locate({});
+  expect_unchanged(first, locate([](const SE3&, const FeaturePixels&, std::vector<char>&) { return false; }));
+}
+
+TEST_F(SecondLookTest, TheFirstPoseStaysWhereTheSecondFails) {
+  const Located first = locate({});
+  // Nothing is left to locate the frame by.
+  expect_unchanged(first, locate([](const SE3&, const FeaturePixels&, std::vector<char>& movable) {
+                     movable.assign(movable.size(), 1);
+                     return true;
+                   }));
 }
 
 }  // namespace
