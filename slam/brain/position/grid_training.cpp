@@ -1,5 +1,6 @@
 #include "slam/brain/position/grid_training.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "nn/base/error.h"
@@ -29,10 +30,10 @@ Lahn train_grid_network(const GridTrainingSettings& settings, const HeadDirectio
       apply_boundary_factor(boundary_factor(room.wall_ahead(walk.position(), walk.heading())), chi);
     }
     network.step(chi);
-    network.learn(chi);
-    if (watch) watch(walk, network, static_cast<double>(i + 1) * step);
+    const double seconds = static_cast<double>(i + 1) * step;
+    network.learn(chi, static_cast<float>(std::min(1.0, settings.rule.steady_seconds / seconds)));
+    if (watch) watch(walk, network, seconds);
   }
-  if (!network.finite()) throw Error("grid cells: the weights are no longer finite numbers");
   return network;
 }
 

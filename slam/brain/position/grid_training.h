@@ -31,11 +31,12 @@ struct GridTrainingSettings {
 // After every step: the walk and the network, and the time since the start.
 using WatchTraining = std::function<void(const RandomWalk& walk, const Lahn& network, double seconds)>;
 
-// One network, as module `module` of the settings. Error where its weights are no longer finite.
+// One network, as module `module` of the settings. Its weights may be anything: ask finite().
 Lahn train_grid_network(const GridTrainingSettings& settings, const HeadDirectionRing& ring,
                         const Eigen::VectorXd& start, int module, const WatchTraining& watch = {});
 
-// All modules, each at the wavelength of the settings. `untrained` leaves out the learning.
+// All modules, each at the wavelength of the settings. `untrained` leaves out the learning. Error where a
+// module's weights are not finite.
 GridCode train_grid_code(const GridTrainingSettings& settings, bool untrained = false);
 
 }  // namespace penumbra::slam::brain

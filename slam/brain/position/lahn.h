@@ -25,13 +25,14 @@
 namespace penumbra::slam::brain {
 
 // none: no lateral weights; paper: (7); foeldiak: dw_ik = -eta_L (xi_i(t) xi_k(t-1) - p^2), w <= 0, w_ii = 0.
-enum class LateralRule { none, paper, foeldiak };
+enum class LateralRule { none, paper, foeldiak, competition };
 
 struct LahnSettings {
   int cells = 25;
   bool bipolar = false;  // f: tanh, else the threshold
-  float threshold = 0.2F;
-  float forward_rate = 0.001F, lateral_rate = 0.001F;  // eta_F and eta_L a step
+  float threshold = 0.3F;
+  float forward_rate = 0.003F, lateral_rate = 0.001F;  // eta_F and eta_L a step
+  double steady_seconds = 300.0;  // then both rates fall with 1 / time
   LateralRule lateral = LateralRule::none;
   float sparseness = 0.1F;    // p of foeldiak
   float first_weight = 0.1F;  // q begins uniform in [-first_weight, first_weight]
@@ -48,9 +49,13 @@ class Lahn {
 
   // One step (5); with learn(), the rest of it.
   void step(std::span<const float> chi);
-  void learn(std::span<const float> chi);
+  void learn(std::span<const float> chi, float slower = 1.0F);
   void forget_activity();  // xi(t-1) = 0
 
+  // Whether the activity depends on the one before.
+  bool recurrent() const {
+    return settings_.lateral == LateralRule::paper || settings_.lateral == LateralRule::foeldiak;
+  }
   bool finite() const { return forward_.allFinite() && lateral_.allFinite(); }
   std::span<const float> activity() const { return {activity_.data(), std::size_t(activity_.size())}; }
   const Eigen::MatrixXf& forward() const { return forward_; }  // q, a row a cell
@@ -58,11 +63,11 @@ class Lahn {
   const LahnSettings& settings() const { return settings_; }
 
  private:
-  void learn_lateral();
+  void learn_lateral(float rate);
 
   LahnSettings settings_;
   Eigen::MatrixXf forward_, lateral_, change_;
-  Eigen::VectorXf activity_, before_, drive_;
+  Eigen::VectorXf activity_, before_, drive_, left_;
 };
 
 // f, for one cell.
