@@ -1,6 +1,5 @@
 #include "slam/brain/position/grid_training.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "nn/base/error.h"
@@ -30,9 +29,8 @@ Lahn train_grid_network(const GridTrainingSettings& settings, const HeadDirectio
       apply_boundary_factor(boundary_factor(room.wall_ahead(walk.position(), walk.heading())), chi);
     }
     network.step(chi);
-    const double seconds = static_cast<double>(i + 1) * step;
-    network.learn(chi, static_cast<float>(std::min(1.0, settings.rule.steady_seconds / seconds)));
-    if (watch) watch(walk, network, seconds);
+    network.learn(chi);
+    if (watch) watch(walk, network, static_cast<double>(i + 1) * step);
   }
   return network;
 }
@@ -45,7 +43,9 @@ GridCode train_grid_code(const GridTrainingSettings& settings, bool untrained) {
   for (int m = 0; m < settings.modules; ++m) {
     const Eigen::VectorXd start =
         Oscillators::random_start(ring.directions(), settings.seed + static_cast<std::uint64_t>(m));
-    code.modules.push_back({settings.wavelength, start, train_grid_network(used, ring, start, m).forward()});
+    const Lahn network = train_grid_network(used, ring, start, m);
+    if (!network.finite()) throw Error("grid cells: the weights are no longer finite numbers");
+    code.modules.push_back({settings.wavelength, start, network.forward()});
   }
   return code;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "nn/base/error.h"
 #include "slam/brain/position/random_stream.h"
@@ -20,7 +19,6 @@ LahnSettings LahnSettings::of_rule(std::string_view name) {
   settings.bipolar = true;
   settings.threshold = 0.0F;
   settings.forward_rate = settings.lateral_rate = 0.9F;
-  settings.steady_seconds = std::numeric_limits<double>::infinity();
   settings.lateral = LateralRule::paper;
   return settings;
 }
@@ -39,8 +37,7 @@ Lahn::Lahn(const Eigen::MatrixXf& forward, const LahnSettings& settings)
       lateral_(Eigen::MatrixXf::Zero(forward.rows(), forward.rows())),
       activity_(Eigen::VectorXf::Zero(forward.rows())),
       before_(activity_),
-      drive_(activity_),
-      left_(activity_) {}
+      drive_(activity_) {}
 
 float grid_cell_output(float drive, const LahnSettings& settings) {
   const float above = drive - settings.threshold;
@@ -51,23 +48,16 @@ void Lahn::step(std::span<const float> chi) {
   const Eigen::Map<const Eigen::VectorXf> input(chi.data(), static_cast<Eigen::Index>(chi.size()));
   before_.swap(activity_);
   drive_.noalias() = forward_ * input;
-  if (recurrent()) drive_.noalias() += lateral_ * before_;
+  if (settings_.lateral != LateralRule::none) drive_.noalias() += lateral_ * before_;
   for (int i = 0; i < drive_.size(); ++i) activity_[i] = grid_cell_output(drive_[i], settings_);
 }
 
-void Lahn::learn(std::span<const float> chi, float slower) {
+void Lahn::learn(std::span<const float> chi) {
   const Eigen::Map<const Eigen::VectorXf> input(chi.data(), static_cast<Eigen::Index>(chi.size()));
-  const float rate = settings_.forward_rate * slower;
-  const bool competes = settings_.lateral == LateralRule::competition;
-  if (competes) {
-    left_ = drive_;
-    left_.noalias() += lateral_ * activity_;
-    for (float& cell : left_) cell = grid_cell_output(cell, settings_);
-  }
-  const Eigen::VectorXf& xi = competes ? left_ : activity_;
-  forward_.array().colwise() *= 1.0F - rate * xi.array().square();
-  forward_.noalias() += (rate * xi) * input.transpose();
-  learn_lateral(settings_.lateral_rate * slower);
+  const float rate = settings_.forward_rate;
+  forward_.array().colwise() *= 1.0F - rate * activity_.array().square();
+  forward_.noalias() += (rate * activity_) * input.transpose();
+  learn_lateral();
   const float largest = std::max(forward_.cwiseAbs().maxCoeff(), lateral_.cwiseAbs().maxCoeff());
   if (largest > settings_.bound) {
     forward_ *= settings_.bound / largest;
@@ -75,14 +65,20 @@ void Lahn::learn(std::span<const float> chi, float slower) {
   }
 }
 
-void Lahn::learn_lateral(float rate) {
+void Lahn::learn_lateral() {
   if (settings_.lateral == LateralRule::none) return;
-  const bool competes = settings_.lateral == LateralRule::competition;
-  lateral_.noalias() -= (rate * activity_) * (competes ? activity_ : before_).transpose();
+  const float rate = settings_.lateral_rate;
+  lateral_.noalias() -= (rate * activity_) * before_.transpose();
   if (settings_.lateral == LateralRule::paper) return;
   lateral_.array() += rate * settings_.sparseness * settings_.sparseness;
   lateral_ = lateral_.cwiseMin(0.0F);
   lateral_.diagonal().setZero();
+}
+
+Lahn Lahn::reader() const {
+  Lahn read = *this;
+  if (read.settings_.lateral == LateralRule::foeldiak) read.settings_.lateral = LateralRule::none;
+  return read;
 }
 
 void Lahn::forget_activity() { activity_.setZero(); }

@@ -7,8 +7,12 @@
 //
 //   paper      f = tanh, eta_F = eta_L = 0.9. Learns nothing: after a step at this rate the weights are the
 //              present input, so all cells are one cell up to sign.
-//   rectified  f(a) = min(max(a - 0.2, 0), 1), eta_F = 0.001, no lateral weights. An odd f has no term in
-//              which three waves help each other; a threshold has, and three waves at 60 degrees win.
+//   rectified  f(a) = min(max(a - 0.2, 0), 1), eta_F = 0.0017, in place of (7)
+//                dw_ik = -eta_L (xi_i(t) xi_k(t-1) - p^2),   w_ik <= 0,   w_ii = 0,   eta_L = 0.0005, p = 0.1
+//              An odd f has no term in which three waves help each other; a threshold has, and three waves at
+//              60 degrees win. Cells that are active together more often than p^2 inhibit each other, so
+//              their lattices part. The lateral weights serve learning alone: what has learned is read
+//              without them (reader()), so that a place has one activity, whatever the way there.
 //
 // Rescaling is no safety net: numbers that are not finite pass it, so finite() has to be asked.
 //
@@ -24,17 +28,16 @@
 
 namespace penumbra::slam::brain {
 
-// none: no lateral weights; paper: (7); foeldiak: dw_ik = -eta_L (xi_i(t) xi_k(t-1) - p^2), w <= 0, w_ii = 0.
-enum class LateralRule { none, paper, foeldiak, competition };
+// none: no lateral weights; paper: (7); foeldiak: as in "rectified" above.
+enum class LateralRule { none, paper, foeldiak };
 
 struct LahnSettings {
   int cells = 25;
   bool bipolar = false;  // f: tanh, else the threshold
-  float threshold = 0.3F;
-  float forward_rate = 0.003F, lateral_rate = 0.001F;  // eta_F and eta_L a step
-  double steady_seconds = 300.0;  // then both rates fall with 1 / time
-  LateralRule lateral = LateralRule::none;
-  float sparseness = 0.1F;    // p of foeldiak
+  float threshold = 0.2F;
+  float forward_rate = 0.0017F, lateral_rate = 0.0005F;  // eta_F and eta_L a step
+  LateralRule lateral = LateralRule::foeldiak;
+  float sparseness = 0.1F;    // p
   float first_weight = 0.1F;  // q begins uniform in [-first_weight, first_weight]
   float bound = 1.0F;         // of all weights
 
@@ -49,13 +52,11 @@ class Lahn {
 
   // One step (5); with learn(), the rest of it.
   void step(std::span<const float> chi);
-  void learn(std::span<const float> chi, float slower = 1.0F);
+  void learn(std::span<const float> chi);
   void forget_activity();  // xi(t-1) = 0
 
-  // Whether the activity depends on the one before.
-  bool recurrent() const {
-    return settings_.lateral == LateralRule::paper || settings_.lateral == LateralRule::foeldiak;
-  }
+  // The network as it is read when it has learned: `foeldiak` without lateral weights.
+  Lahn reader() const;
   bool finite() const { return forward_.allFinite() && lateral_.allFinite(); }
   std::span<const float> activity() const { return {activity_.data(), std::size_t(activity_.size())}; }
   const Eigen::MatrixXf& forward() const { return forward_; }  // q, a row a cell
@@ -63,11 +64,11 @@ class Lahn {
   const LahnSettings& settings() const { return settings_; }
 
  private:
-  void learn_lateral(float rate);
+  void learn_lateral();
 
   LahnSettings settings_;
   Eigen::MatrixXf forward_, lateral_, change_;
-  Eigen::VectorXf activity_, before_, drive_, left_;
+  Eigen::VectorXf activity_, before_, drive_;
 };
 
 // f, for one cell.
