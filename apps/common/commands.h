@@ -22,6 +22,7 @@ void add_convert_command(CLI::App& app);     // checkpoints to safetensors
 void add_info_command(CLI::App& app);        // list a checkpoint's tensors
 void add_calibrate_command(CLI::App& app);   // prepare weights for 8-bit arithmetic
 void add_bench_command(CLI::App& app);       // measure speed
+void add_train_grid_command(CLI::App& app);  // of `brain`: let grid cells learn on a random walk
 void add_dynamics_benchmark(CLI::App& app);  // of `bench`: ways to leave out people, on synthetic offices
 
 }  // namespace penumbra::apps
