@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kMargin = 7;        // bins that overlap at least, in both directions
 constexpr float kFewest = 30.0F;  // pairs
+constexpr double kFlat = 1e-5;    // share of the mean square below which a variance is rounding
 
 // The map, its squares and its mask, which all are 0 where it is not known; a row of the map a column.
 struct Summands {
@@ -43,9 +44,10 @@ float correlation_at(const Summands& map, int size, int dx, int dy) {
     bb += (here(map.known) * there(map.square)).sum();
   }
   if (n <= kFewest) return 0.0F;
-  const double variances = (double(n) * aa - double(a) * a) * (double(n) * bb - double(b) * b);
-  if (!(variances > 1e-12)) return 0.0F;
-  return std::clamp(static_cast<float>((double(n) * ab - double(a) * b) / std::sqrt(variances)), -1.0F, 1.0F);
+  const double first = double(n) * aa - double(a) * a, second = double(n) * bb - double(b) * b;
+  if (first <= kFlat * n * aa || second <= kFlat * n * bb) return 0.0F;
+  const double correlation = (double(n) * ab - double(a) * b) / std::sqrt(first * second);
+  return std::clamp(static_cast<float>(correlation), -1.0F, 1.0F);
 }
 
 }  // namespace

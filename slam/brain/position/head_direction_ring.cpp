@@ -17,13 +17,17 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kTurnTime = 0.5, kTurnDeviation = 1.5;  // of the turns it is trained on: s, rad/s
 
+int checked_directions(int n) {
+  if (n <= 0 || n % 6 != 0) {
+    throw InputError("head directions", "a positive multiple of 6", fmt::format("{}", n));
+  }
+  return n;
+}
+
 }  // namespace
 
 HeadDirectionRing::HeadDirectionRing(const RingSettings& settings, std::uint64_t seed)
-    : weights_(2, settings.directions) {
-  if (settings.directions <= 0 || settings.directions % 6 != 0) {
-    throw InputError("head directions", "a positive multiple of 6", fmt::format("{}", settings.directions));
-  }
+    : weights_(2, checked_directions(settings.directions)) {
   RandomStream random(seed, 2);
   for (auto cell : weights_.colwise()) {
     const double angle = random.uniform(0.0, kTurn);
