@@ -25,11 +25,13 @@ struct SynthOptions {
   std::optional<std::string> size;
   int frames = 0;
   std::uint32_t seed = 1;
-  bool colour = false, depth = false, disparity = false, flow = false, annotations = false, amodal = false;
+  bool colour = false, depth = false, disparity = false, flow = false, annotations = false, amodal = false,
+       landmarks = false;
   std::filesystem::path out;
   bool overwrite = false;
   // What replaces the preset's values.
-  std::optional<float> parked, traffic, moving, texture, exposure_change, noise, shutter, glare, readout;
+  std::optional<float> parked, traffic, moving, texture, exposure_change, noise, shutter, glare, readout,
+      lamps;
   std::optional<std::string> light, lorry, people, depth_sensor;
 };
 
@@ -63,6 +65,7 @@ synthetic::StreetSettings street_of(const SynthOptions& options) {
     street.lorry = parse_gaps(*options.lorry);
     street.car_ahead = false;
   }
+  street.lamps_per_100m = options.lamps.value_or(street.lamps_per_100m);
   street.texture = options.texture.value_or(street.texture);
   if (options.light) street.light = synthetic::parse_light(*options.light);
   street.exposure_change = options.exposure_change.value_or(street.exposure_change);
@@ -79,7 +82,7 @@ std::unique_ptr<synthetic::Sequence> make_street(const SynthOptions& options) {
   synthetic::SequenceSettings settings;
   settings.street = street_of(options);
   settings.sensor = rgbd ? synthetic::Sensor::rgbd : synthetic::Sensor::stereo;
-  settings.path = options.path.value_or(settings.path);
+  settings.path = options.path.value_or(settings.street.alike ? "straight" : settings.path);
   settings.frames = options.frames;
   settings.size = parse_size(options.size.value_or(rgbd ? "640x480" : "620x188"));
   settings.seed = options.seed;
@@ -89,13 +92,14 @@ std::unique_ptr<synthetic::Sequence> make_street(const SynthOptions& options) {
   settings.disparity = options.disparity;
   settings.flow = options.flow;
   settings.amodal = options.amodal;
+  settings.landmarks = options.landmarks;
   return std::make_unique<synthetic::StreetSequence>(settings);
 }
 
 std::unique_ptr<synthetic::Sequence> make_office(const SynthOptions& options) {
   refuse(options.sensor == "stereo", "--sensor stereo", "office");
-  refuse(options.parked || options.traffic || options.moving || options.lorry,
-         "--parked, --traffic, --moving or --lorry", "office");
+  refuse(options.parked || options.traffic || options.moving || options.lorry || options.lamps,
+         "--parked, --traffic, --moving, --lorry or --lamps", "office");
   refuse(options.light || options.glare, "--light or --glare", "office");
   refuse(options.disparity, "--disparity", "office");
   synthetic::OfficeSettings settings = synthetic::office_preset(options.preset.value_or("walking-xyz"));
@@ -117,6 +121,7 @@ std::unique_ptr<synthetic::Sequence> make_office(const SynthOptions& options) {
   settings.annotations = options.annotations;
   settings.flow = options.flow;
   settings.amodal = options.amodal;
+  settings.landmarks = options.landmarks;
   return std::make_unique<synthetic::OfficeSequence>(settings);
 }
 
@@ -157,6 +162,9 @@ void add_output_options(CLI::App* command, SynthOptions& options) {
   command->add_flag("--flow", options.flow, "Write its optical flow to the next frame (KITTI's 16-bit PNG)");
   command->add_flag("--annotations", options.annotations,
                     "Write annotations/instances.json: COCO instances with amodal masks and occlusion");
+  command->add_flag(
+      "--landmarks", options.landmarks,
+      "Write the number of the thing that each pixel of the left image shows, houses and trees too");
   command->add_flag("--amodal", options.amodal, "Write the whole mask of every object as an image");
 }
 
@@ -168,14 +176,16 @@ void add_scene_options(CLI::App* command, SynthOptions& options) {
   command
       ->add_option(
           "--preset", options.preset,
-          "street: easy, street, crowded, lorry or lorry-close; office: walking- or sitting- with xyz, "
+          "street: easy, street, crowded, lorry, lorry-close or alike (equal houses and lamps, no loop); "
+          "office: walking- or sitting- with xyz, "
           "static, rpy or halfsphere; desk, twolaps (default: street; office: walking-xyz)")
       ->type_name("NAME");
   command
       ->add_option(
           "--path", options.path,
-          "street: block, eight, straight, or a KITTI pose file; office: still, xyz, rpy, halfsphere, "
-          "desk, twolaps, or a TUM pose file (default: block; office: the preset's)")
+          "street: block, eight, straight, corner, or a KITTI pose file; office: still, xyz, rpy, "
+          "halfsphere, "
+          "desk, twolaps, or a TUM pose file (default: block, alike: straight; office: the preset's)")
       ->type_name("PATH");
   command->add_option("--seed", options.seed, "Another seed makes another street or office")
       ->capture_default_str()
@@ -190,6 +200,7 @@ void add_scene_options(CLI::App* command, SynthOptions& options) {
   command->add_option("--lorry", options.lorry, "A lorry ahead: its nearest and farthest gap in metres")
       ->type_name("NEAR,FAR")
       ->group(group);
+  number("--lamps", options.lamps, "Equal lamp posts per 100 m along both pavements, 0..50");
   number("--texture", options.texture, "Contrast of the noise on surfaces, 0..2; 1 is natural");
   command->add_option("--light", options.light, "sun, overcast or evening")->type_name("NAME")->group(group);
   command->add_option("--people", options.people, "In the office: walking, sitting or none")

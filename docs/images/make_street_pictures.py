@@ -94,8 +94,13 @@ def rgbd_sheet(folder):
     return np.hstack([label(read(folder / "rgb" / name), "rgb"), label(picture, "depth as sensed, holes black")])
 
 
+def alike_sheet(folder):
+    return read(drive(folder, "--preset", "alike", "--frames", "6", "--colour") / "image_2" / "000005.png")
+
+
 def main():
-    for name, sheet in (("street-truth", truth_sheet), ("street-presets", preset_sheet), ("street-rgbd", rgbd_sheet)):
+    for name, sheet in (("street-truth", truth_sheet), ("street-presets", preset_sheet), ("street-rgbd", rgbd_sheet),
+                        ("street-alike", alike_sheet)):
         with tempfile.TemporaryDirectory() as folder:
             cv2.imwrite(str(HERE / f"{name}.jpg"), sheet(pathlib.Path(folder) / "drive"), [cv2.IMWRITE_JPEG_QUALITY, 82])
 

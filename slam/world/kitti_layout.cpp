@@ -7,6 +7,7 @@
 #include "nn/base/file.h"
 #include "slam/world/coco_annotations.h"
 #include "slam/world/ground_truth_images.h"
+#include "slam/world/landmark_images.h"
 #include "slam/world/layouts.h"
 #include "slam/world/sequence_files.h"
 
@@ -54,13 +55,14 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
   const Recording& recording = sequence.recording();
   const fs::path root = folder / "sequences/00";
   std::vector<fs::path> earlier{"annotations/instances.json"};
-  for (const char* name :
-       {"image_0", "image_1", "image_2", "image_3", "instances", "depth", "disparity", "flow", "amodal"}) {
+  for (const char* name : {"image_0", "image_1", "image_2", "image_3", "instances", "depth", "disparity",
+                           "flow", "amodal", "landmarks", "landmarks.json"}) {
     earlier.push_back(fs::path("sequences/00") / name);
   }
   prepare_folder(folder, overwrite, earlier);
 
   SequenceFrame frame;
+  const ThingNumbers things(sequence.world());
   const FrameOutput outputs[] = {
       {"image_0", true, [&] { return frame.left_grey; }},
       {"image_1", true, [&] { return frame.right_grey; }},
@@ -71,6 +73,7 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
       {"disparity", recording.disparity,
        [&] { return encode_disparity(frame.left.depth, sequence.camera()); }},
       {"flow", recording.flow, [&] { return encode_flow(frame.flow); }, true},
+      {"landmarks", recording.landmarks, [&] { return landmark_image(things, frame.left); }},
   };
   make_folders(root, outputs);
   make_folder(folder / "poses");
@@ -79,6 +82,7 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
   write_calibration(root / "calib.txt", sequence.camera());
   write_trajectory(folder / "poses/00.txt", root / "times.txt", sequence.poses());
   write_instance_list(root / "instances.json", sequence.world());
+  if (recording.landmarks) nn::write_file(root / "landmarks.json", things.list());
 
   CocoWriter annotations(sequence.image_size(), sequence.world().catalogue);
   ImageWriter images(std::max(1, omp_get_max_threads() / 2));

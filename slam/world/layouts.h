@@ -17,6 +17,10 @@ namespace penumbra::slam::synthetic {
 //   sequences/00/disparity/NNNNNN.png   16 bits, 256 = 1 pixel, 0 = sky (where recording.disparity)
 //   sequences/00/flow/NNNNNN.png        3 x 16 bits as KITTI's flow, to the next frame (where recording.flow)
 //   sequences/00/amodal/NNNNNN/IIIII.png  8 bits: 255 on the whole of instance IIIII (where recording.amodal)
+//   sequences/00/landmarks/NNNNNN.png   16 bits: which thing each pixel of the left image shows, houses,
+//   trees
+//                                       and lamps too, 0 = ground, sky (where recording.landmarks)
+//   sequences/00/landmarks.json         per number: class and whether it moves
 //   annotations/instances.json          COCO, see coco_annotations.h (where recording.annotations)
 //   poses/00.txt                        T_wc of the left camera, the first the identity
 // `folder` must be missing or empty unless `overwrite`; then what an earlier run wrote there is removed
@@ -32,7 +36,8 @@ void write_kitti_layout(Sequence& sequence, const std::filesystem::path& folder,
 //   calibration.yaml             width, height, fx, fy, cx, cy, depth_factor, rate
 //   instances/T.png, instances.json  as above
 //   depth_clean/T.png, depth_clean.txt  the true depth, coded like depth (where recording.depth)
-//   flow/T.png, amodal/T/IIIII.png, annotations/instances.json   as above, where the recording has them
+//   flow/T.png, amodal/T/IIIII.png, landmarks/T.png, landmarks.json, annotations/instances.json   as above,
+//   where the recording has them
 // `folder` and errors as above.
 void write_tum_layout(Sequence& sequence, const std::filesystem::path& folder, bool overwrite,
                       const std::function<void(int)>& progress = {});

@@ -80,8 +80,9 @@ class OfficeBuilder {
     return add_material(world_, made);
   }
 
-  void add_background(const Eigen::Vector3f& lower, const Eigen::Vector3f& upper, int surface) {
-    add_object(world_, {with_material(make_box(lower, upper), surface)});
+  void add_background(const Eigen::Vector3f& lower, const Eigen::Vector3f& upper, int surface,
+                      Thing thing = Thing::nothing) {
+    add_thing(world_, thing, {with_material(make_box(lower, upper), surface)});
   }
 
   void raise_walls() {
@@ -108,7 +109,8 @@ class OfficeBuilder {
     const int lamp = material(Surface::lamp, Colour::Constant(0.8F));
     for (const Eigen::Vector2f& at : room.lamps) {
       add_background({at.x() - Room::kLampHalfX, a.y(), at.y() - Room::kLampHalfZ},
-                     {at.x() + Room::kLampHalfX, a.y() + 0.05F, at.y() + Room::kLampHalfZ}, lamp);
+                     {at.x() + Room::kLampHalfX, a.y() + 0.05F, at.y() + Room::kLampHalfZ}, lamp,
+                     Thing::lamp);
     }
     for (const double z : {-2.2, 0.9, 2.3})
       add_pipe(world_, random_, static_cast<float>(1.8 * plan_.half_x), random_.uniform(0.04F, 0.11F), 2.55F)

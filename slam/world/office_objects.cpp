@@ -33,19 +33,18 @@ Object& add_desk(World& world, RandomSequence& random, float width, float depth)
   }
   bodies.push_back(
       block(0.0F, hz - 0.06F, hx - 0.06F, 0.012F, kDeskHeight - 0.35F, kDeskHeight - 0.03F, metal));
-  return add_thing(world, bodies, ObjectClass::background);
+  return add_thing(world, Thing::furniture, bodies);
 }
 
 Object& add_partition(World& world, RandomSequence& random, float width, float height) {
   const Colour colour = random.chance(0.5F) ? Colour(0.42F, 0.32F, 0.20F) : pick_tint(random) * 0.7F;
   const int cloth = office_material(world, random, Surface::painted_wall, colour);
   const int frame = office_material(world, random, Surface::plastic, Colour::Constant(0.35F));
-  return add_thing(world,
+  return add_thing(world, Thing::furniture,
                    {block(0.0F, 0.0F, 0.5F * width, 0.025F, 0.05F, height, cloth),
                     block(0.0F, 0.0F, 0.5F * width, 0.03F, height, height + 0.025F, frame),
                     block(-0.5F * width, 0.0F, 0.02F, 0.16F, 0.0F, height, frame),
-                    block(0.5F * width, 0.0F, 0.02F, 0.16F, 0.0F, height, frame)},
-                   ObjectClass::background);
+                    block(0.5F * width, 0.0F, 0.02F, 0.16F, 0.0F, height, frame)});
 }
 
 Object& add_chair(World& world, RandomSequence& random, bool swivels) {
@@ -79,7 +78,7 @@ Object& add_chair(World& world, RandomSequence& random, bool swivels) {
         bodies.push_back(block(sx, sz, 0.012F, 0.012F, 0.0F, 0.42F, metal));
     }
   }
-  return add_thing(world, bodies, ObjectClass::chair);
+  return add_classed(world, bodies, ObjectClass::chair);
 }
 
 void add_shelf(World& world, RandomSequence& random, const GroundPose& pose, float width, float height,
@@ -96,7 +95,7 @@ void add_shelf(World& world, RandomSequence& random, const GroundPose& pose, flo
     const float y = std::min(height, step * static_cast<float>(i) + kBoard);
     frame.push_back(block(0.0F, 0.0F, hx, hz, y - kBoard, y, wood));
   }
-  add_object(world, frame).pose = pose;
+  add_thing(world, Thing::furniture, frame).pose = pose;
   for (int i = 0; i < boards; ++i) {
     // Runs of books of different heights; gaps between some.
     std::vector<Body> run;
@@ -114,7 +113,7 @@ void add_shelf(World& world, RandomSequence& random, const GroundPose& pose, flo
       x += length + 0.004F;
     }
     if (run.empty()) continue;
-    Object& books = add_thing(world, run, ObjectClass::book);
+    Object& books = add_classed(world, run, ObjectClass::book);
     books.pose = pose;
     give_instance(books);
   }
@@ -134,7 +133,7 @@ Object& add_plant(World& world, RandomSequence& random) {
     leaf.ragged = true;
     bodies.push_back(with_material(leaf, green));
   }
-  return add_thing(world, bodies, ObjectClass::potted_plant);
+  return add_classed(world, bodies, ObjectClass::potted_plant);
 }
 
 Object& add_poster(World& world, RandomSequence& random, float width, float tall, float height) {
@@ -142,8 +141,8 @@ Object& add_poster(World& world, RandomSequence& random, float width, float tall
   const Colour ink = pick_tint(random);
   const int print = office_material(world, random, Surface::poster, ground, ink);
   return add_thing(
-      world, {block(0.0F, -0.006F, 0.5F * width, 0.006F, height - 0.5F * tall, height + 0.5F * tall, print)},
-      ObjectClass::background);
+      world, Thing::poster,
+      {block(0.0F, -0.006F, 0.5F * width, 0.006F, height - 0.5F * tall, height + 0.5F * tall, print)});
 }
 
 Object& add_cable(World& world, RandomSequence& random, const std::vector<Eigen::Vector3f>& points) {
@@ -164,7 +163,7 @@ Object& add_cable(World& world, RandomSequence& random, const std::vector<Eigen:
     cut(piece, points[i] - 0.006F * other, -other);
     bodies.push_back(with_material(piece, rubber));
   }
-  return add_thing(world, bodies, ObjectClass::background);
+  return add_thing(world, Thing::small_thing, bodies);
 }
 
 Object& add_pipe(World& world, RandomSequence& random, float length, float radius, float height) {
@@ -173,7 +172,7 @@ Object& add_pipe(World& world, RandomSequence& random, float length, float radiu
   std::vector<Body> bodies{with_material(make_cylinder({0.0F, -height, 0.0F}, 0, radius, length), metal)};
   for (float x = -0.5F * length + 0.4F; x < 0.5F * length; x += 1.3F)
     bodies.push_back(with_material(make_cylinder({x, -height, 0.0F}, 0, 1.15F * radius, 0.05F), metal));
-  return add_thing(world, bodies, ObjectClass::background);
+  return add_thing(world, Thing::furniture, bodies);
 }
 
 }  // namespace penumbra::slam::synthetic

@@ -34,7 +34,7 @@ inline Body block(float x, float z, float half_x, float half_z, float low, float
   return with_material(make_box({x - half_x, -high, z - half_z}, {x + half_x, -low, z + half_z}), material);
 }
 
-inline Object& add_thing(World& world, const std::vector<Body>& bodies, ObjectClass object_class) {
+inline Object& add_classed(World& world, const std::vector<Body>& bodies, ObjectClass object_class) {
   Object& object = add_object(world, bodies);
   object.object_class = object_class;
   return object;

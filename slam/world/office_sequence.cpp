@@ -57,6 +57,7 @@ Recording office_recording(const OfficeSettings& settings) {
           .depth = true,
           .flow = settings.flow,
           .amodal = settings.amodal,
+          .landmarks = settings.landmarks,
           .exposure_change = settings.exposure_change,
           .noise = settings.noise,
           .shutter = settings.shutter,

@@ -25,7 +25,7 @@ struct OfficeSettings {
   float readout = 0.0F;           // seconds from the first row's exposure to the last one's; 0: all at once
   float texture = 1.0F;           // contrast of the noise on surfaces
   std::optional<DepthCameraSettings> depth_camera = DepthCameraSettings{};  // empty: that of depth_sensor.h
-  bool annotations = false, flow = false, amodal = false;
+  bool annotations = false, flow = false, amodal = false, landmarks = false;
 
   // Throws UsageError, naming the option, for values outside their range.
   void check() const;

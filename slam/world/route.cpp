@@ -243,9 +243,15 @@ Drive make_drive(const std::string& path_name, int frames) {
     const double length = kStep * frames;
     drive.route = Route(route_through({{{0.0, 0.0}, 0.0}, {{0.0, length}, 0.0}}));
     start = kRouteMargin;
+  } else if (path_name == "corner") {
+    const double half = 0.5 * kStep * frames;
+    drive.route =
+        Route(route_through({{{0.0, 0.0}, 0.0}, {{0.0, half}, 0.0}, {{half, half}, 0.5 * std::numbers::pi}}));
+    start = kRouteMargin;
   } else {
     throw UsageError(fmt::format(
-        "--path: expected 'block', 'eight', 'straight' or a KITTI pose file, found '{}'", path_name));
+        "--path: expected 'block', 'eight', 'straight', 'corner' or a KITTI pose file, found '{}'",
+        path_name));
   }
   for (int i = 0; i < frames; ++i) {
     const double arc = start + kStep * i;

@@ -51,9 +51,9 @@ struct Drive {
   std::vector<double> arc;  // arc length on the route, one per frame
 };
 
-// Built-in drives at 0.8 m per frame (29 km/h): "straight"; "block", once round four right-angle bends (284
-// frames); "eight", a figure of eight that crosses itself at a right angle (574 frames); both go round again
-// where `frames` asks for more. Throws UsageError for another name.
+// Built-in drives at 0.8 m per frame (29 km/h): "straight"; "corner", a right turn half way; "block", once
+// round four right-angle bends (284 frames); "eight", a figure of eight that crosses itself at a right angle
+// (574 frames); both go round again where `frames` asks for more. Throws UsageError for another name.
 Drive make_drive(const std::string& path_name, int frames);
 // The drive of a KITTI pose file (12 numbers a line, a 3x4 T_wc, camera x right, y down, z forward), cut to
 // its first `frames` poses (0 = all). Position in the plane and heading are kept; height, pitch and roll are

@@ -107,7 +107,7 @@ void Sequence::render(int i, SequenceFrame& frame) {
   const StereoCamera& camera = scene_.camera;
   const bool stereo = recording_.sensor == Sensor::stereo;
   frame.left.wants_reflectance = !stereo && !depth_camera_;
-  frame.left.wants_objects = recording_.flow;
+  frame.left.wants_objects = recording_.flow || recording_.landmarks;
   left_.render(camera, pose.T_wc, pose.timestamp, frame.left);
   if (stereo) right_.render(camera, right_camera_of(pose.T_wc, camera), pose.timestamp, frame.right);
 

@@ -34,7 +34,8 @@ struct Recording {
   // always has colour; its `depth` is the clean one beside what the sensor saw; it has no disparity.
   bool colour = false;
   bool depth = false, disparity = false, flow = false;
-  bool amodal = false;  // the objects' whole masks as images
+  bool amodal = false;     // the objects' whole masks as images
+  bool landmarks = false;  // which thing each pixel of the left or only image shows, see landmark_images.h
 
   float exposure_change = 0.1F;  // the exposure hunts by about this share around the automatic one
   float noise = 1.3F;            // sigma, grey levels

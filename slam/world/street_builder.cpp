@@ -39,8 +39,11 @@ class StreetBuilder {
     for (const Route& road : roads_) {
       for (const int side : {1, -1}) {
         park_cars(road, side);
-        furnish(road, side);
+        if (!settings_.alike) furnish(road, side);
       }
+    }
+    for (const Route& road : roads_) {
+      for (const int side : {1, -1}) line_with_lamps(road, side);
     }
     shade_static_objects();
     add_traffic(world_, {drive_, settings_, moving_cars_, [this](Object& object) { give_instance(object); }},
@@ -110,6 +113,7 @@ class StreetBuilder {
   }
 
   void line_with_houses(const Route& road, int side, double nearest) {
+    if (settings_.alike) return line_with_equal_houses(road, side, nearest);
     double along = random_.uniform(0.0F, 4.0F);
     while (along < road.length()) {
       const double width = random_.uniform(7.0F, 15.0F), depth = random_.uniform(7.0F, 10.0F);
@@ -127,6 +131,29 @@ class StreetBuilder {
         break;
       }
       if (!placed) along += 1.5;
+    }
+  }
+
+  void line_with_equal_houses(const Route& road, int side, double nearest) {
+    constexpr double kWidth = 10.0, kDepth = 8.0;
+    for (double along = 0.0; along + kWidth <= road.length(); along += kWidth) {
+      const GroundPose pose = beside(road, along + 0.5 * kWidth, side, kPavementEnd + nearest + 0.5 * kDepth);
+      const Footprint area = footprint_of(pose, 0.5 * kDepth - 0.05, 0.5 * kWidth - 0.05);
+      if (!is_free(area, kPavementEnd + 0.1)) continue;
+      RandomSequence same(hash_of(world_.seed, 0xa11ceU));
+      add_house(world_, same, static_cast<float>(kWidth), static_cast<float>(kDepth)).pose = pose;
+      houses_.push_back(area);
+    }
+  }
+
+  void line_with_lamps(const Route& road, int side) {
+    if (settings_.lamps_per_100m <= 0.0F) return;
+    const double step = 100.0 / static_cast<double>(settings_.lamps_per_100m);
+    for (double along = 0.5 * step; along < road.length(); along += step) {
+      const GroundPose kerb = beside(road, along, side, kKerb + 0.45);
+      if (road_distance(kerb.position) < kKerb + 0.2 || track_distance(kerb.position) < 3.0) continue;
+      RandomSequence same(hash_of(world_.seed, 0x1a3bU));
+      add_lamp(world_, same).pose = kerb;
     }
   }
 

@@ -89,7 +89,7 @@ Object& add_house(World& world, RandomSequence& random, float width, float depth
           with_material(make_box({-hx - 0.9F, y - 0.95F, z - half}, {-hx, y + 0.18F, z + half}), trim));
     }
   }
-  return add_object(world, bodies);
+  return add_thing(world, Thing::facade, bodies);
 }
 
 Object& add_tree(World& world, RandomSequence& random) {
@@ -115,7 +115,7 @@ Object& add_tree(World& world, RandomSequence& random) {
     crown.casts_shadow = i < 3;
     bodies.push_back(with_material(crown, leaves));
   }
-  return add_object(world, bodies);
+  return add_thing(world, Thing::plant, bodies);
 }
 
 Object& add_lamp(World& world, RandomSequence& random) {
@@ -127,7 +127,7 @@ Object& add_lamp(World& world, RandomSequence& random) {
                            make_box({-0.11F, -1.0F, -0.11F}, {0.11F, 0.0F, 0.11F})};
   for (Body& body : bodies) body.material = metal;
   bodies[0].casts_shadow = true;
-  return add_object(world, bodies);
+  return add_thing(world, Thing::lamp, bodies);
 }
 
 Object& add_sign(World& world, RandomSequence& random, const GroundPose& pose) {
@@ -161,7 +161,7 @@ Object& add_bin(World& world, RandomSequence& random) {
   bodies.push_back(make_swept({{-0.36F, -0.95F}, {0.36F, -0.95F}, {0.30F, -1.05F}, {-0.36F, -1.05F}}, 0.32F));
   bodies[1].material = plain_material(world, random, colour * 1.3F);
   bodies[0].casts_shadow = true;
-  return add_object(world, bodies);
+  return add_thing(world, Thing::small_thing, bodies);
 }
 
 Object& add_hedge(World& world, RandomSequence& random, float length) {
@@ -171,7 +171,7 @@ Object& add_hedge(World& world, RandomSequence& random, float length) {
   Body hedge = make_box({-0.4F, -height, -0.5F * length}, {0.4F, 0.0F, 0.5F * length});
   hedge.material = plain_material(world, random, leaf, Surface::leaves);
   hedge.casts_shadow = true;
-  return add_object(world, {hedge});
+  return add_thing(world, Thing::plant, {hedge});
 }
 
 }  // namespace penumbra::slam::synthetic

@@ -57,6 +57,7 @@ Recording recording_of(const SequenceSettings& settings) {
           .disparity = settings.disparity,
           .flow = settings.flow,
           .amodal = settings.amodal,
+          .landmarks = settings.landmarks,
           .exposure_change = settings.street.exposure_change,
           .noise = settings.street.noise,
           .shutter = settings.street.shutter,

@@ -11,7 +11,7 @@ namespace penumbra::slam::synthetic {
 struct SequenceSettings {
   StreetSettings street = {};
   Sensor sensor = Sensor::stereo;
-  std::string path = "block";  // "block", "eight", "straight" or a KITTI pose file
+  std::string path = "block";  // "block", "eight", "straight", "corner" or a KITTI pose file
   int frames = 0;              // 0: 60, or all of a pose file
   Size size{620, 188};         // pixels
   std::uint32_t seed = 1;
@@ -19,7 +19,8 @@ struct SequenceSettings {
   // What stereo drives have beyond grey pairs and instance ids; all but `colour` for the left image.
   bool colour = false;
   bool depth = false, disparity = false, flow = false;
-  bool amodal = false;  // the objects' whole masks as images
+  bool amodal = false;     // the objects' whole masks as images
+  bool landmarks = false;  // which thing each pixel of the left or only image shows
 };
 
 // A camera as KITTI's, scaled to `size`: f = 0.58 width, baseline 0.537 m, principal point near the middle.

@@ -28,8 +28,16 @@ StreetSettings street_preset(const std::string& name) {
     if (name == "lorry-close") settings.lorry = LorryAhead{1.5F, 10.0F};
     return settings;
   }
+  if (name == "alike") {
+    settings.alike = true;
+    settings.parked_cars = 0.0F;
+    settings.traffic = 0.0F;
+    settings.car_ahead = false;
+    settings.lamps_per_100m = 10.0F;  // one a house
+    return settings;
+  }
   throw UsageError(fmt::format(
-      "--preset: expected 'street', 'easy', 'crowded', 'lorry' or 'lorry-close', found '{}'", name));
+      "--preset: expected 'street', 'easy', 'crowded', 'lorry', 'lorry-close' or 'alike', found '{}'", name));
 }
 
 Light parse_light(const std::string& name) {
@@ -51,6 +59,7 @@ void StreetSettings::check() const {
     within("--lorry, the nearest gap", lorry->nearest, 1.0F, 100.0F);
     within("--lorry, the farthest gap", lorry->farthest, lorry->nearest, 100.0F);
   }
+  within("--lamps", lamps_per_100m, 0.0F, 50.0F);
   within("--texture", texture, 0.0F, 2.0F);
   within("--exposure-change", exposure_change, 0.0F, 1.0F);
   within("--noise", noise, 0.0F, 50.0F);

@@ -24,6 +24,9 @@ struct StreetSettings {
   float traffic = 1.0F;            // multiplies oncoming cars, people and cyclists
   std::optional<float> moving;     // share of all cars that move; empty: as the numbers above make it
   std::optional<LorryAhead> lorry;
+  float lamps_per_100m = 0.0F;  // equal lamp posts at equal distances along both pavements
+  // The same house front again and again, and nothing else but the lamps: every place looks like others.
+  bool alike = false;
 
   // How it looks.
   float texture = 1.0F;  // contrast of the noise on all surfaces; 0: plain colours
@@ -39,7 +42,7 @@ struct StreetSettings {
   void check() const;
 };
 
-// "easy", "street", "crowded", "lorry" or "lorry-close"; throws UsageError for another name.
+// "easy", "street", "crowded", "lorry", "lorry-close" or "alike"; throws UsageError for another name.
 StreetSettings street_preset(const std::string& name);
 // "sun", "overcast" or "evening"; throws UsageError for another name.
 Light parse_light(const std::string& name);

@@ -9,6 +9,7 @@
 #include "slam/geometry/trajectory_io.h"
 #include "slam/world/coco_annotations.h"
 #include "slam/world/ground_truth_images.h"
+#include "slam/world/landmark_images.h"
 #include "slam/world/layouts.h"
 #include "slam/world/sequence_files.h"
 
@@ -27,14 +28,16 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
   const Recording& recording = sequence.recording();
   const float factor = recording.depth_camera ? recording.depth_camera->levels_a_metre : kLevelsAMetre;
   SequenceFrame frame;
+  const ThingNumbers things(sequence.world());
   const FrameOutput outputs[] = {
       {"rgb", true, [&] { return frame.left_bgr; }},
       {"depth", true, [&] { return encode_sensed_depth(frame.sensed_depth, factor); }},
       {"instances", true, [&] { return frame.left.instance; }},
       {"depth_clean", recording.depth, [&] { return encode_depth(frame.left.depth, factor); }},
       {"flow", recording.flow, [&] { return encode_flow(frame.flow); }, true},
+      {"landmarks", recording.landmarks, [&] { return landmark_image(things, frame.left); }},
   };
-  std::vector<fs::path> earlier{"amodal", "annotations/instances.json"};
+  std::vector<fs::path> earlier{"amodal", "landmarks.json", "annotations/instances.json"};
   for (const FrameOutput& output : outputs) earlier.emplace_back(output.name);
   prepare_folder(folder, overwrite, earlier);
   make_folders(folder, outputs);
@@ -48,6 +51,7 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
                   camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, factor,
                   sequence.rate()));
   write_instance_list(folder / "instances.json", sequence.world());
+  if (recording.landmarks) nn::write_file(folder / "landmarks.json", things.list());
 
   Trajectory from_first = sequence.poses();
   const SE3 first_from_world = from_first.front().T_wc.inverse();

@@ -25,6 +25,21 @@ const char* name_of(ObjectClass object_class) {
   return kNames[static_cast<int>(object_class)];
 }
 
+const char* name_of(Thing thing) {
+  static constexpr const char* kNames[kThings] = {"nothing", "person",    "vehicle",    "sign",
+                                                  "lamp",    "plant",     "facade",     "screen",
+                                                  "poster",  "furniture", "small thing"};
+  return kNames[static_cast<int>(thing)];
+}
+
+Thing thing_of(const Object& object) {
+  using enum Thing;
+  static constexpr Thing kThingOf[kObjectClasses] = {
+      nothing,     person,      vehicle,     vehicle,     vehicle,     sign,  furniture,   screen,
+      small_thing, small_thing, small_thing, small_thing, small_thing, plant, small_thing, small_thing};
+  return object.thing != nothing ? object.thing : kThingOf[static_cast<int>(object.object_class)];
+}
+
 namespace {
 
 // Where the camera is along its route; beyond the last frame it goes on at its last speed.
@@ -75,6 +90,12 @@ Object& add_object(World& world, const std::vector<Body>& bodies) {
   }
   world.objects.push_back(object);
   return world.objects.back();
+}
+
+Object& add_thing(World& world, Thing thing, const std::vector<Body>& bodies) {
+  Object& object = add_object(world, bodies);
+  object.thing = thing;
+  return object;
 }
 
 int add_material(World& world, const Material& material) {

@@ -98,6 +98,24 @@ constexpr int kObjectClasses = 16;
 // COCO's name where COCO has the class.
 const char* name_of(ObjectClass object_class);
 
+// What a thing is to somebody who looks for landmarks: coarser than ObjectClass, but it has houses, trees
+// and lamps, which are no objects to be annotated.
+enum class Thing : std::uint8_t {
+  nothing = 0,  // ground, sky, walls
+  person = 1,
+  vehicle = 2,
+  sign = 3,
+  lamp = 4,
+  plant = 5,
+  facade = 6,
+  screen = 7,
+  poster = 8,
+  furniture = 9,
+  small_thing = 10
+};
+constexpr int kThings = 11;
+const char* name_of(Thing thing);
+
 // What annotations of a world say about it.
 struct Catalogue {
   const char* description;
@@ -120,7 +138,8 @@ struct Motion {
 
 struct Object {
   ObjectClass object_class = ObjectClass::background;
-  std::uint16_t instance = 0;  // 0 = background; objects that share one are parts of one thing
+  std::uint16_t instance = 0;    // 0 = background; objects that share one are parts of one thing
+  Thing thing = Thing::nothing;  // of background; what thing_of makes of all others follows from their class
   int first_body = 0, body_count = 0;
   GroundPose pose;  // where it stands unless it moves
   Motion motion;
@@ -183,6 +202,10 @@ SE3 placement_at(const World& world, const Object& object, double time);
 Eigen::Matrix3d rotation_of(double heading);
 // Adds `bodies` as one object and computes its bounding box; the pose is left to the caller.
 Object& add_object(World& world, const std::vector<Body>& bodies);
+// The same for background that may be a landmark.
+Object& add_thing(World& world, Thing thing, const std::vector<Body>& bodies);
+// What `object` is.
+Thing thing_of(const Object& object);
 // Adds a material and returns its index.
 int add_material(World& world, const Material& material);
 

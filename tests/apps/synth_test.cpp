@@ -18,6 +18,31 @@ int lines_in(const std::filesystem::path& path) {
   return static_cast<int>(std::count(std::istreambuf_iterator<char>(file), {}, '\n'));
 }
 
+TEST(Synth, WritesTheNumbersOfThingsInBothLayouts) {
+  const TemporaryDirectory folder;
+  for (const std::string sensor : {"stereo", "rgbd"}) {
+    const std::string out = (folder / sensor).string();
+    const ProgramResult result = run_penumbra(
+        "synth --frames 2 --size 310x94 --landmarks --lamps 10 --sensor " + sensor + " --out " + out);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const bool stereo = sensor == "stereo";
+    const std::filesystem::path root = stereo ? folder / "stereo/sequences/00" : folder / "rgbd";
+    const nlohmann::json things = nlohmann::json::parse(std::ifstream(root / "landmarks.json"));
+    const cv::Mat image = cv::imread((root / "landmarks" / (stereo ? "000001.png" : "0.100000.png")).string(),
+                                     cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(image.size(), cv::Size(310, 94));
+    EXPECT_EQ(image.type(), CV_16UC1);
+    std::set<std::string> classes;
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) {
+        const int number = image.at<std::uint16_t>(y, x);
+        if (number != 0) classes.insert(things.at(std::to_string(number)).at("class").get<std::string>());
+      }
+    }
+    for (const char* name : {"facade", "plant", "lamp"}) EXPECT_TRUE(classes.contains(name)) << name;
+  }
+}
+
 TEST(Synth, WritesTheKittiLayout) {
   const TemporaryDirectory folder;
   const std::string out = (folder / "street").string();
