@@ -4,6 +4,7 @@
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
+#include "nn/models/interest_network.h"
 
 namespace penumbra::nn {
 
@@ -11,11 +12,13 @@ namespace {
 
 constexpr const char* kMaskRcnn = "mask_rcnn";
 constexpr const char* kYolov5 = "yolov5";
-constexpr const char* kAfnet = "afnet";  // a YOLOv5 whose weights have attention or ASFF
+constexpr const char* kInterest = "interest";  // finds landmarks, not objects
+constexpr const char* kAfnet = "afnet";        // a YOLOv5 whose weights have attention or ASFF
 
 std::string kind_of(const StateDict& weights) {
   const auto named = weights.metadata.find("network");
   if (named != weights.metadata.end()) return named->second;
+  if (is_interest_network(weights)) return kInterest;
   const auto first = weights.tensors.lower_bound("model.");
   return first != weights.tensors.end() && first->first.starts_with("model.") ? kYolov5 : kMaskRcnn;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "tests/support/random_network.h"
 
@@ -147,6 +148,43 @@ nn::StateDict random_yolov5(const RandomYolov5& options) {
     const bool residual = name.find(".m.") != std::string::npos && name.find("cv2") != std::string::npos;
     return residual ? 0.7 : 1.6;
   });
+}
+
+nn::StateDict random_interest(const RandomInterest& options) {
+  const auto [c2, c4, c8, c16] = options.channels;
+  Yolov5Shapes y{options.folded, {}};  // whose convolutions are named alike
+  const auto pointwise = [&](const std::string& name, int inputs, int outputs) {
+    y.shapes[name + ".weight"] = {outputs, inputs, 1, 1};
+    y.shapes[name + ".bias"] = {outputs};
+  };
+  y.conv("encoder.0", 3, c2, 3);
+  y.conv("encoder.1", c2, c4, 3);
+  y.conv("encoder.2", c4, c4, 3);
+  y.conv("encoder.3", c4, c8, 3);
+  y.conv("encoder.4", c8, c8, 3);
+  y.conv("encoder.5", c8, c8, 3);
+  y.conv("coarse.0", c8, c16, 3);
+  y.conv("coarse.1", c16, c16, 3);
+  if (options.attention) {
+    const int width = std::max(8, c16 / 8);
+    pointwise("attention.f", c16, width);
+    pointwise("attention.g", c16, width);
+    pointwise("attention.h", c16, c16);
+    y.shapes["attention.gamma"] = {1};
+  }
+  pointwise("lateral", c16, c8);
+  y.conv("decoder", c8, c8, 3);
+  pointwise("classes", c8, options.classes);
+  pointwise("embedding", c8, options.embedding);
+  nn::StateDict state = random_state(y.shapes, [](const std::string& name) {
+    const bool unit = name.starts_with("encoder.2") || name.starts_with("encoder.4") ||
+                      name.starts_with("encoder.5") || name.starts_with("coarse.1");
+    return unit || name.starts_with("attention") ? 0.7 : 1.4;
+  });
+  static constexpr std::array<float, 1> kGamma{0.8F};
+  if (options.attention)
+    state.tensors["attention.gamma"].bytes = std::as_bytes(std::span<const float>(kGamma));
+  return state;
 }
 
 }  // namespace penumbra::test

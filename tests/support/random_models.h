@@ -1,6 +1,8 @@
-// Classifiers and YOLOv5 with random weights: the same as make_classifier_fixtures.py and
-// make_yolov5_fixtures.py and make_afnet_fixtures.py build.
+// Classifiers, YOLOv5 and interest networks with random weights: the same as make_classifier_fixtures.py,
+// make_yolov5_fixtures.py, make_afnet_fixtures.py and make_interest_fixtures.py build.
 #pragma once
+
+#include <array>
 
 #include "nn/io/state_dict.h"
 
@@ -16,5 +18,12 @@ struct RandomYolov5 {
   bool attention = false, fusion = false;  // AFNET's parts
 };
 nn::StateDict random_yolov5(const RandomYolov5& options);
+
+struct RandomInterest {
+  std::array<int, 4> channels{8, 16, 16, 24};  // at strides 2, 4, 8, 16
+  int classes = 11, embedding = 32;
+  bool attention = true, folded = false;
+};
+nn::StateDict random_interest(const RandomInterest& options = {});
 
 }  // namespace penumbra::test

@@ -12,6 +12,10 @@ import torch
 def add_arguments(parser):
     parser.add_argument("--annotations", required=True, help="training set, COCO instances JSON")
     parser.add_argument("--images", required=True, help="folder that its file names refer to")
+    add_run_arguments(parser)
+
+
+def add_run_arguments(parser):
     parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--stop", type=int, help="stop after this step of the schedule; run again to go on")
     parser.add_argument("--seed", type=int, default=1)

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "nn/models/classifier.h"
+#include "nn/models/interest_network.h"
 #include "nn/models/mask_rcnn.h"
 #include "nn/models/yolov5.h"
 #include "tests/support/allocation_counter.h"
@@ -97,6 +98,20 @@ TEST(Allocations, ClassifierMakesNoneFromTheSecondImageOn) {
   network(image, arena, logits);
   EXPECT_EQ(test::allocation_count(), before);
   EXPECT_EQ(logits, expected);
+}
+
+TEST(Allocations, InterestNetworkMakesNoneFromTheSecondImageOn) {
+  const InterestNetwork network(test::random_interest());
+  Arena arena;
+  InterestMap map;
+  const ByteImage image = test::random_image(4, 90, 70), other = test::random_image(5, 90, 70);
+  network(image, arena, map);
+  const std::vector<float> expected = map.embeddings;
+  const std::size_t before = test::allocation_count();
+  network(other, arena, map);
+  network(image, arena, map);
+  EXPECT_EQ(test::allocation_count(), before);
+  EXPECT_EQ(map.embeddings, expected);
 }
 
 }  // namespace

@@ -22,6 +22,8 @@ TEST(MakeNetwork, TellsTheNetworkByNamesOrMetadata) {
   EXPECT_THROW(make_network(yolov5), InputError);
   yolov5.metadata["network"] = "perceptron";
   test::expect_error<InputError>([&] { make_network(yolov5); }, {"metadata network", "'perceptron'"});
+  test::expect_error<InputError>([&] { make_network(test::random_interest()); },
+                                 {"metadata network", "'interest'"});
 }
 
 }  // namespace
