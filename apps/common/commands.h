@@ -24,5 +24,6 @@ void add_calibrate_command(CLI::App& app);   // prepare weights for 8-bit arithm
 void add_bench_command(CLI::App& app);       // measure speed
 void add_train_grid_command(CLI::App& app);  // of `brain`: let grid cells learn on a random walk
 void add_dynamics_benchmark(CLI::App& app);  // of `bench`: ways to leave out people, on synthetic offices
+void add_landmarks_command(CLI::App& brain);  // of `brain`: what of images a place is known by
 
 }  // namespace penumbra::apps

@@ -16,19 +16,6 @@ namespace {
 constexpr int kSmallestWidth = 640;  // pixels
 constexpr double kMaskOpacity = 0.45;
 
-// A colour of its own for every instance: hues a golden angle apart stay far from each other.
-Bgr instance_colour(std::size_t i) {
-  constexpr double kSaturation = 200.0 / 255.0;
-  const double hue = 6.0 * std::fmod(0.09 + 0.61803398875 * static_cast<double>(i), 1.0);
-  // Source: the usual hexagon of hue, saturation and value, of which the value is 1.
-  const auto level = [&](double sector) {
-    const double k = std::fmod(sector + hue, 6.0);
-    return static_cast<std::uint8_t>(
-        std::lround(255.0 * (1.0 - kSaturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0))));
-  };
-  return {level(1.0), level(3.0), level(5.0)};
-}
-
 // The mask as an image of `size` pixels, 0 or 255.
 ByteImage full_mask(const nn::Mask& mask, const Size& image, const Size& size) {
   ByteImage full = ByteImage::filled(image.width, image.height, 0);
@@ -69,8 +56,31 @@ void outline(ByteImage& picture, const ByteImage& mask, const Bgr& colour) {
   }
 }
 
-// On a box of `colour` above `corner`, moved to where it lies inside the picture.
-void label(ByteImage& picture, const std::string& text, int x, int y, const Bgr& colour) {
+}  // namespace
+
+ByteImage readable_picture(const ByteImage& image, double& scale) {
+  scale = std::max(1.0, static_cast<double>(kSmallestWidth) / image.width());
+  ByteImage picture = image.channels() == 1 ? grey_to_bgr(image.view()) : image.clone();
+  if (scale > 1.0) {
+    const auto enlarged = [scale](int extent) { return static_cast<int>(std::lround(extent * scale)); };
+    picture = resize_linear(picture, {enlarged(image.width()), enlarged(image.height())});
+  }
+  return picture;
+}
+
+Bgr instance_colour(std::size_t i) {
+  constexpr double kSaturation = 200.0 / 255.0;
+  const double hue = 6.0 * std::fmod(0.09 + 0.61803398875 * static_cast<double>(i), 1.0);
+  // Source: the usual hexagon of hue, saturation and value, of which the value is 1.
+  const auto level = [&](double sector) {
+    const double k = std::fmod(sector + hue, 6.0);
+    return static_cast<std::uint8_t>(
+        std::lround(255.0 * (1.0 - kSaturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0))));
+  };
+  return {level(1.0), level(3.0), level(5.0)};
+}
+
+void draw_label(ByteImage& picture, const std::string& text, int x, int y, const Bgr& colour) {
   constexpr double kCapital = 10.0, kMargin = 3.0, kBelow = 4.0;
   const double width = text_width(text, kCapital) + 2.0 * kMargin, height = kCapital + kBelow + 2.0 * kMargin;
   const double left = std::clamp<double>(x, 0.0, std::max(picture.width() - width, 0.0));
@@ -79,16 +89,10 @@ void label(ByteImage& picture, const std::string& text, int x, int y, const Bgr&
   draw_text(picture, text, {left + kMargin, top + kMargin + kCapital}, kCapital, {0, 0, 0});
 }
 
-}  // namespace
-
 ByteImage draw_overlay(const ByteImage& image, const std::vector<nn::Detection>& detections,
                        const std::vector<std::string>& names, float min_score) {
-  const double scale = std::max(1.0, static_cast<double>(kSmallestWidth) / image.width());
-  ByteImage picture = image.channels() == 1 ? grey_to_bgr(image.view()) : image.clone();
-  if (scale > 1.0) {
-    const auto enlarged = [scale](int extent) { return static_cast<int>(std::lround(extent * scale)); };
-    picture = resize_linear(picture, {enlarged(image.width()), enlarged(image.height())});
-  }
+  double scale = 1.0;
+  ByteImage picture = readable_picture(image, scale);
 
   std::vector<std::size_t> shown;
   for (std::size_t i = 0; i < detections.size(); ++i) {
@@ -107,9 +111,9 @@ ByteImage draw_overlay(const ByteImage& image, const std::vector<nn::Detection>&
     const double right = pixel(detection.box.x2), bottom = pixel(detection.box.y2);
     draw_box(picture, {static_cast<double>(left), static_cast<double>(top)}, {right, bottom},
              instance_colour(*it), 1.0);
-    label(picture,
-          fmt::format("{} {:.2f}", names[static_cast<std::size_t>(detection.label)], detection.score), left,
-          top, instance_colour(*it));
+    draw_label(picture,
+               fmt::format("{} {:.2f}", names[static_cast<std::size_t>(detection.label)], detection.score),
+               left, top, instance_colour(*it));
   }
   return picture;
 }
