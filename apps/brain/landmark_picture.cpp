@@ -15,6 +15,7 @@ namespace {
 constexpr Bgr kFeatureColour{80, 220, 80};
 constexpr double kFeatureRadius = 2.5;  // pixels of the picture
 constexpr double kWidestLine = 4.0;
+constexpr std::size_t kMostNames = 10;  // more would lie on each other
 
 }  // namespace
 
@@ -23,17 +24,19 @@ ByteImage landmark_picture(const ByteImage& image, const slam::brain::Landmarks&
   double scale = 1.0;
   ByteImage above = readable_picture(image, scale);
   ByteImage below = above.clone();
-  // The least interesting first, so that the others' names lie on top.
+  // The least interesting first, so that the others lie on top.
   for (auto it = landmarks.rbegin(); it != landmarks.rend(); ++it) {
     const Bgr colour = instance_colour(static_cast<std::size_t>(it->landmark_class));
     draw_box(above, {it->x0 * scale, it->y0 * scale}, {it->x1 * scale, it->y1 * scale}, colour,
              1.0 + (kWidestLine - 1.0) * static_cast<double>(it->interest));
   }
-  for (auto it = landmarks.rbegin(); it != landmarks.rend(); ++it) {
-    const char* name = name_of(static_cast<slam::brain::LandmarkClass>(it->landmark_class));
-    draw_label(above, fmt::format("{} {:.2f}", name, it->interest),
-               static_cast<int>(std::lround(it->x0 * scale)), static_cast<int>(std::lround(it->y0 * scale)),
-               instance_colour(static_cast<std::size_t>(it->landmark_class)));
+  for (std::size_t i = std::min(landmarks.size(), kMostNames); i-- > 0;) {
+    const slam::brain::Landmark& named = landmarks[i];
+    const char* name = name_of(static_cast<slam::brain::LandmarkClass>(named.landmark_class));
+    draw_label(above, fmt::format("{} {:.2f}", name, named.interest),
+               static_cast<int>(std::lround(named.x0 * scale)),
+               static_cast<int>(std::lround(named.y0 * scale)),
+               instance_colour(static_cast<std::size_t>(named.landmark_class)));
   }
   for (const slam::Keypoint& keypoint : features.keypoints)
     draw_disc(below, {keypoint.u * scale, keypoint.v * scale}, kFeatureRadius, kFeatureColour);

@@ -8,7 +8,8 @@
 namespace penumbra::apps {
 
 // A BGR picture of the image's size and twice its height, larger where text could not be read. The more
-// interesting a landmark, the wider its box's line.
+// interesting a landmark, the wider its box's line; the ten most interesting ones have their class and
+// interest beside them.
 ByteImage landmark_picture(const ByteImage& image, const slam::brain::Landmarks& landmarks,
                            const slam::Features& features);
 

@@ -40,6 +40,7 @@ void SalientRegions::classify(const ImageCells& cells) {
     const auto best = std::max_element(p.begin(), p.end());
     const auto landmark_class = static_cast<int>(best - p.begin());
     if (!stands(landmark_class) || !(*best >= settings_.least_probability)) continue;
+    if (p[kPerson] + p[kVehicle] > settings_.most_moving) continue;
     class_of_[cell] = static_cast<std::int8_t>(landmark_class);
     probability_of_[cell] = *best;
     seeds_.push_back(static_cast<std::uint32_t>(cell));

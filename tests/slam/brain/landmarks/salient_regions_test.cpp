@@ -88,6 +88,23 @@ TEST(SalientRegions, WhatMovesNeverBecomesALandmark) {
   EXPECT_EQ(count(found, kSign), 1);
 }
 
+// Green trousers that are more like a plant than like a person.
+TEST(SalientRegions, WhatMayWellMoveDoesNotEither) {
+  Drawing drawing({"tttt", "tttt"}, 0.6F);
+  Landmarks found;
+  SalientRegions regions;
+  regions(drawing.cells, found);
+  ASSERT_EQ(found.size(), 1U);
+  for (std::size_t cell = 0; cell < 8; ++cell) {
+    const auto p = drawing.probabilities.begin() + static_cast<std::ptrdiff_t>(cell * kLandmarkClasses);
+    std::fill_n(p, kLandmarkClasses, 0.0F);
+    p[kPlant] = 0.6F;
+    p[kPerson] = 0.4F;
+  }
+  regions(drawing.cells, found);
+  EXPECT_TRUE(found.empty());
+}
+
 TEST(SalientRegions, EndWhereAnotherThingOfTheClassBegins) {
   EXPECT_EQ(regions_of({"ffffff", "ffffff"}).size(), 1U);
   const Landmarks found = regions_of({"fffFFF", "fffFFF"});
