@@ -148,8 +148,8 @@ void add_landmarks_command(CLI::App& brain) {
   add_isa_option(command);
   command->footer(
       "Examples:\n"
-      "  penumbra brain landmarks out/drive/sequences/00/image_2/000010.png --out out/found\n"
-      "  penumbra brain landmarks out/drive/sequences/00/image_2 --no-pictures --out out/found\n"
+      "  penumbra brain landmarks out/street/sequences/00/image_0/000004.png --out out/found\n"
+      "  penumbra brain landmarks out/street/sequences/00/image_0 --no-pictures --out out/found\n"
       "A picture shows the landmarks with their interest above and ORB features below. landmarks.json has "
       "class,\nscore, interest, box (x0, y0, x1, y1; pixels) and descriptor of each.");
   command->callback([options] { find_landmarks(*options); });
