@@ -21,7 +21,7 @@
 namespace penumbra::slam::brain {
 
 struct SimilaritySettings {
-  float least_cosine = 0.3F;  // c_0
+  float least_cosine = 0.6F;  // c_0
   bool interest = true;       // false: every landmark counts 1
 };
 

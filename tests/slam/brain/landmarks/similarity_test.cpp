@@ -53,9 +53,9 @@ Landmarks scene(std::uint64_t seed, int count = kMostLandmarks) {
 // The example of docs/brain/interest.md: a rare sign that matches, one of two lamps that does by half.
 TEST(Similarity, IsTheExampleOfTheDocs) {
   const Landmarks a{landmark(kSign, along(0), 0.9F), landmark(kLamp, along(1), 0.4F)};
-  const Landmarks b{landmark(kSign, along(0), 0.9F), landmark(kLamp, along(1, 0.65), 0.4F),
+  const Landmarks b{landmark(kSign, along(0), 0.9F), landmark(kLamp, along(1, 0.8), 0.4F),
                     landmark(kLamp, along(2), 0.4F)};
-  // l = 1 and (0.65 - 0.3) / 0.7 = 0.5; S = (0.9 * 1 + 0.4 * 0.5) / (0.5 * (1.3 + 1.7)) = 1.1 / 1.5.
+  // l = 1 and (0.8 - 0.6) / 0.4 = 0.5; S = (0.9 * 1 + 0.4 * 0.5) / (0.5 * (1.3 + 1.7)) = 1.1 / 1.5.
   EXPECT_NEAR(similarity(a, b), 1.1 / 1.5, 1e-6);
   // Without interest the lone lamp weighs as much as the sign: 1.5 / 2.5.
   EXPECT_NEAR(similarity(a, b, {.interest = false}), 1.5 / 2.5, 1e-6);
