@@ -5,47 +5,19 @@
 #include <algorithm>
 
 #include "nn/base/error.h"
-#include "nn/simd/exponential.h"
+#include "nn/simd/kernel_table.h"
 
 namespace penumbra::nn {
 
 namespace {
 
-// scores[i] = f[:, i] . query for all pixels i; returns the largest. The maps have no border, so their pixels
-// are one row.
-float score_pixels(const FeatureMap& f, int n, const float* query, std::ptrdiff_t query_block_stride,
-                   std::ptrdiff_t pixels, float* scores) {
-  float top = 0.0F;
-  for (std::ptrdiff_t i = 0; i < pixels; ++i) {
-    float sum[kBlock] = {};
-    for (int b = 0; b < f.blocks(); ++b) {
-      const float* key = f.pixel(n, b, 0, 0) + i * kBlock;
-      const float* q = query + b * query_block_stride;
-      for (int c = 0; c < kBlock; ++c) sum[c] += key[c] * q[c];
-    }
-    float total = 0.0F;
-    for (const float part : sum) total += part;
-    scores[i] = total;
-    top = i == 0 ? total : std::max(top, total);
-  }
-  return top;
-}
-
-// out[c] += factor sum_i scores[i] h[c, i]
-void add_weighted(const FeatureMap& h, int n, const float* scores, std::ptrdiff_t pixels, float factor,
-                  float* out, std::ptrdiff_t out_block_stride) {
-  constexpr std::ptrdiff_t kRun = 64;  // sums of runs keep the rounding error of a large map small
-  for (int b = 0; b < h.blocks(); ++b) {
-    const float* value = h.pixel(n, b, 0, 0);
-    float sum[kBlock] = {};
-    for (std::ptrdiff_t first = 0; first < pixels; first += kRun) {
-      float run_sum[kBlock] = {};
-      for (std::ptrdiff_t i = first; i < std::min(first + kRun, pixels); ++i) {
-        for (int c = 0; c < kBlock; ++c) run_sum[c] += scores[i] * value[i * kBlock + c];
-      }
-      for (int c = 0; c < kBlock; ++c) sum[c] += run_sum[c];
-    }
-    for (int c = 0; c < kBlock; ++c) out[b * out_block_stride + c] += factor * sum[c];
+// keys[d][i] = f[d, i]; what lies beyond the pixels of a row of keys is 0.
+void transpose_keys(const FeatureMap& f, int n, std::ptrdiff_t pixels, std::ptrdiff_t stride, float* keys) {
+  for (int d = 0; d < f.channels(); ++d) {
+    const float* channel = f.pixel(n, d / kBlock, 0, 0) + d % kBlock;
+    float* row = keys + d * stride;
+    for (std::ptrdiff_t i = 0; i < pixels; ++i) row[i] = channel[i * kBlock];
+    std::fill(row + pixels, row + stride, 0.0F);
   }
 }
 
@@ -67,19 +39,30 @@ SelfAttention::SelfAttention(const SelfAttentionWeights& weights) : gamma_(weigh
 void SelfAttention::apply(FeatureMap& map, Arena& arena) const {
   const FeatureMap f = f_(map, arena), g = g_(map, arena), h = h_(map, arena);
   const std::ptrdiff_t pixels = static_cast<std::ptrdiff_t>(map.height()) * map.width();
+  const std::ptrdiff_t stride = (pixels + kBlock - 1) / kBlock * kBlock;
+  const ArenaBuffer keys = arena.allocate(static_cast<std::size_t>(f.channels() * stride));
   const ArenaBuffer scratch =
-      arena.allocate(static_cast<std::size_t>(omp_get_max_threads()) * static_cast<std::size_t>(pixels));
-#pragma omp parallel for collapse(3)
+      arena.allocate(static_cast<std::size_t>(omp_get_max_threads()) * static_cast<std::size_t>(stride));
   for (int n = 0; n < map.images(); ++n) {
+    transpose_keys(f, n, pixels, stride, keys.data());
+#pragma omp parallel for collapse(2)
     for (int y = 0; y < map.height(); ++y) {
       for (int x = 0; x < map.width(); ++x) {
-        float* scores = scratch.data() + omp_get_thread_num() * pixels;
-        const float top = score_pixels(f, n, g.pixel(n, 0, y, x), g.block_stride(), pixels, scores);
-        for (std::ptrdiff_t i = 0; i < pixels; ++i) scores[i] = exponential(scores[i] - top);
-        double sum = 0.0;
-        for (std::ptrdiff_t i = 0; i < pixels; ++i) sum += scores[i];
-        add_weighted(h, n, scores, pixels, gamma_ / static_cast<float>(sum), map.pixel(n, 0, y, x),
-                     map.block_stride());
+        AttendArguments a;
+        a.keys = keys.data();
+        a.key_stride = stride;
+        a.depth = f.channels();
+        a.query = g.pixel(n, 0, y, x);
+        a.query_block_stride = g.block_stride();
+        a.values = h.pixel(n, 0, 0, 0);
+        a.value_block_stride = h.block_stride();
+        a.blocks = h.blocks();
+        a.pixels = pixels;
+        a.factor = gamma_;
+        a.scores = scratch.data() + omp_get_thread_num() * stride;
+        a.output = map.pixel(n, 0, y, x);
+        a.output_block_stride = map.block_stride();
+        kernels().attend(a);
       }
     }
   }

@@ -8,7 +8,7 @@
 // i and j run over the P = H W pixels.
 // Shapes: x and y [N, C, H, W], W_f and W_g [D, C, 1, 1] (SAGAN: D = C / 8), W_h [C, C, 1, 1]. Where a
 // network has SAGAN's last convolution W_v, W_h stands for the product W_v W_h.
-// Cost: N P^2 (C + D) + N P C (C + 2 D) multiply-adds, and P floats of scratch a thread.
+// Cost: N P^2 (C + D) + N P C (C + 2 D) multiply-adds, and D P + P floats a thread of scratch.
 // Source: Zhang et al. 2019, Self-Attention Generative Adversarial Networks, equations 1 to 3;
 // reference/attention.cpp is the oracle.
 #pragma once

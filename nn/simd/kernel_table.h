@@ -125,6 +125,26 @@ struct MixRowArguments {
   std::ptrdiff_t output_block_stride = 0;
 };
 
+// What one pixel, the query, takes from all pixels of a map; see nn/layers/self_attention.h.
+//   scores[i] = exp(sum_d query[d] keys[d][i] - top) / sum;   output[c] += factor sum_i scores[i] values[c,
+//   i]
+// `key_stride` is a multiple of 16 and at least `pixels`; keys beyond `pixels` do not matter but are numbers.
+struct AttendArguments {
+  const float* keys = nullptr;  // [depth][key_stride]
+  std::ptrdiff_t key_stride = 0;
+  int depth = 0;
+  const float* query = nullptr;  // channel 0; the next 16 channels query_block_stride on
+  std::ptrdiff_t query_block_stride = 0;
+  const float* values = nullptr;  // pixel 0 of block 0; pixels are 16 floats apart
+  std::ptrdiff_t value_block_stride = 0;
+  int blocks = 0;
+  std::ptrdiff_t pixels = 0;
+  float factor = 1.0F;
+  float* scores = nullptr;  // [key_stride], scratch
+  float* output = nullptr;  // block 0
+  std::ptrdiff_t output_block_stride = 0;
+};
+
 struct KernelTable {
   const TileKernels* tile;
   void (*winograd_input)(const WinogradInputArguments&);
@@ -134,6 +154,7 @@ struct KernelTable {
   void (*activate)(float* values, std::ptrdiff_t count, Activation activation, float slope);
   void (*roi_align)(const RoiAlignArguments&);
   void (*mix_row)(const MixRowArguments&);
+  void (*attend)(const AttendArguments&);
 
   // Runs `iterations` of a loop of independent multiply-adds in registers; returns the floating-point
   // operations done (two a multiply-add): what the processor can do at best.

@@ -11,6 +11,7 @@ void winograd_output(const WinogradOutputArguments& a);
 void activate(float* values, std::ptrdiff_t count, Activation activation, float slope);
 void roi_align(const RoiAlignArguments& a);
 void mix_row(const MixRowArguments& a);
+void attend(const AttendArguments& a);
 double peak_loop(long iterations);
 
 void fast_scores(const std::uint8_t* centre, std::ptrdiff_t pitch, int count, int threshold,

@@ -10,6 +10,7 @@ const KernelTable kKernels = {
     activate,
     roi_align,
     mix_row,
+    attend,
     peak_loop,
     {fast_scores, peaks, blur_rows, blur_columns, resize_row, resize_mix, remap_row, slope_energy, grey_row,
      flow_window, flow_mismatch, halve_rows, halve_columns, disc_moments}};
