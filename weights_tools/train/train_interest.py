@@ -31,7 +31,7 @@ TEMPERATURE = 0.1
 OTHER_CLASS = 0.05
 CELLS_A_THING = 6  # drawn of each thing of an image
 # Ground and sky fill half of an image; a sign a hundredth.
-CLASS_WEIGHTS = (0.4, 1.0, 0.7, 2.5, 2.0, 0.8, 0.6, 1.5, 2.0, 0.8, 1.5)
+CLASS_WEIGHTS = (0.4, 2.5, 1.0, 5.0, 4.0, 0.8, 0.6, 1.5, 2.0, 0.8, 3.0)
 
 
 def arguments():
