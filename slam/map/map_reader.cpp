@@ -4,8 +4,7 @@
 #include <cstdlib>
 
 #include "nn/base/byte_stream.h"
-#include "nn/base/crc32.h"
-#include "nn/base/file.h"
+#include "nn/base/checksummed_file.h"
 #include "nn/image/image_container.h"
 #include "slam/map/map_file.h"
 
@@ -13,7 +12,6 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 8 + 4 + 4 + 8;
 constexpr std::uint32_t kMostLevels = 64;
 
 using Colour = std::array<std::uint8_t, 3>;
@@ -215,27 +213,10 @@ void require_same_camera(const StereoCamera& of_map, const StereoCamera& now, co
 }
 
 std::unique_ptr<Map> read_map(const std::filesystem::path& path) {
-  const std::string bytes = nn::read_file(path, "a map that Penumbra saved");
+  const std::string body =
+      nn::read_checksummed_file(path, kMapFileMagic, kMapFileVersion, "a map that Penumbra saved");
   const std::string place = path.string();
-  if (bytes.substr(0, kMapFileMagic.size()) != kMapFileMagic) {
-    throw InputError(place, "a map that Penumbra saved", "a file that begins differently");
-  }
-  ByteReader header(std::string_view(bytes).substr(kMapFileMagic.size()), place, kMapFileMagic.size());
-  const auto version = header.get<std::uint32_t>("version");
-  if (version != kMapFileVersion) {
-    throw InputError(place, fmt::format("a map file of version {}", kMapFileVersion),
-                     fmt::format("version {}", version));
-  }
-  const auto crc = header.get<std::uint32_t>("checksum");
-  const auto size = header.get<std::uint64_t>("size");
-  if (size != header.remaining()) {
-    throw InputError(place, fmt::format("{} bytes after the header", size),
-                     fmt::format("{}: the file is torn", header.remaining()));
-  }
-  const std::string_view body = std::string_view(bytes).substr(kHeaderBytes);
-  if (nn::crc32(body) != crc) throw InputError(place, "the checksum that the header names", "damaged bytes");
-
-  ByteReader in(body, place, kHeaderBytes);
+  ByteReader in(body, place, nn::kChecksummedHeaderBytes);
   const StereoCamera camera = get_camera(in);
   auto map = std::make_unique<Map>(camera, get_scales(in));
   const std::uint32_t keyframes = in.get_count(kKeyframeBytes, "keyframes");

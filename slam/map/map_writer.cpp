@@ -2,8 +2,7 @@
 #include <shared_mutex>
 
 #include "nn/base/byte_stream.h"
-#include "nn/base/crc32.h"
-#include "nn/base/file.h"
+#include "nn/base/checksummed_file.h"
 #include "slam/map/map_file.h"
 
 namespace penumbra::slam {
@@ -112,13 +111,7 @@ ByteWriter body_of(const Map& map) {
 
 void write_map(const std::filesystem::path& path, const Map& map) {
   const ByteWriter body = body_of(map);
-  ByteWriter file;
-  file.put_array(std::span(kMapFileMagic));
-  file.put(kMapFileVersion);
-  file.put(nn::crc32(body.bytes()));
-  file.put(static_cast<std::uint64_t>(body.bytes().size()));
-  file.put_array(std::span(body.bytes()));
-  nn::write_file(path, file.bytes());
+  nn::write_checksummed_file(path, kMapFileMagic, kMapFileVersion, body.bytes());
 }
 
 }  // namespace penumbra::slam
