@@ -353,6 +353,62 @@ def image_lists():
     yield "bad_no_name", b"5\n"
 
 
+
+def cognitive_map_files():
+    def camera(baseline=0.54):
+        return struct.pack("<6d2i", 360.0, 360.0, 310.0, 94.0, baseline, 0.0, 620, 188)
+
+    def point(z=9.0):
+        return struct.pack("<4Q4f", 1, 2, 3, 4, 0.5, -0.5, z, 0.0)
+
+    def landmark(kind=3, interest=0.5):
+        return struct.pack("<4f", 10, 20, 30, 40) + struct.pack("<i2f", kind, 0.9, interest) + struct.pack("<32f", 1, *[0] * 31)
+
+    def node(view, x=0.0, points=(), activity=(0.5, 1.0)):
+        head = struct.pack("<i5d", 7, 0.7, x, 0.0, 0.1, 0.8)
+        return head + struct.pack(f"<I{len(activity)}f", len(activity), *activity) + \
+            struct.pack("<I", len(points)) + b"".join(points) + view
+
+    def seen(*landmarks):
+        return struct.pack("<I", len(landmarks)) + b"".join(landmarks)
+
+    def link(a=0, b=1, metres=0.1, recalled=0):
+        return struct.pack("<2i5dB", a, b, 1.0, 0.0, 0.1, metres, 0.01, recalled)
+
+    def file(nodes, links, kind=0, version=1, camera=camera(), scene=12.0, tail=b""):
+        body = camera + struct.pack("<Id", kind, scene) + struct.pack("<I", len(nodes)) + b"".join(nodes)
+        body += struct.pack("<I", len(links)) + b"".join(links) + tail
+        return b"PENUCOG\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
+
+    profile = struct.pack("<600f", *[0.01 * i for i in range(600)])
+    two = [node(seen(landmark()), points=[point()]), node(seen(), x=1.0)]
+    yield "valid_landmarks", file(two, [link(), link(recalled=1)])
+    yield "valid_intensity", file([node(profile), node(profile, x=2.0)], [link()], kind=1)
+    yield "valid_empty", file([], [])
+    yield "bad_version", file(two, [], version=7)
+    yield "bad_kind", file(two, [], kind=2)
+    yield "bad_camera", file(two, [], camera=camera(baseline=0.0))
+    yield "bad_scene", file(two, [], scene=float("inf"))
+    yield "bad_pose", file([node(seen(), x=float("nan"))], [])
+    yield "bad_activity", file([node(seen(), activity=(float("nan"),))], [])
+    yield "bad_point", file([node(seen(), points=[point(z=float("inf"))])], [])
+    yield "bad_class", file([node(seen(landmark(kind=1)))], [])
+    yield "bad_interest", file([node(seen(landmark(interest=float("nan"))))], [])
+    yield "bad_link_end", file(two, [link(b=2)])
+    yield "bad_link_itself", file(two, [link(b=0)])
+    yield "bad_deviation", file(two, [link(metres=0.0)])
+    yield "bad_tail", file(two, [], tail=b"more")
+
+
+def odometry_files():
+    yield "valid_spaces", b"# time v omega\n0.0 1.0 0.1\n0.5 1.0 0.1\n"
+    yield "valid_nanoseconds", b"#t,v,w\n1403636579763555584,1,0\n1403636579863555584,1,0\n"
+    yield "bad_one_line", b"0 1 0\n"
+    yield "bad_back", b"1 1 0\n0 1 0\n"
+    yield "bad_nan", b"0 1 0\n1 nan 0\n"
+    yield "bad_columns", b"0 1\n1 1\n"
+
+
 def euroc_ground_truths():
     yield "valid_two", b"#t,x,y,z,w,x,y,z\n1403636580838555648,4.6,-1.7,0.78,1,0,0,0,0.1\n1403636580843555648,4,1,0,0,1,0,0\n"
     yield "bad_empty", b"#t\n"
@@ -367,7 +423,8 @@ def write_all(out):
              "coco_rle": codes, "image_container": images, "image_file": images_for_the_decoder, "number_file": number_files,
              "kitti_calibration": calibrations, "trajectory": trajectories, "class_names": class_lists,
              "frame_range": frame_ranges, "coco_annotations": coco_annotation_files,
-             "coco_results": coco_result_files, "map_file": map_files,
+             "coco_results": coco_result_files, "map_file": map_files, "cognitive_map": cognitive_map_files,
+             "odometry_file": odometry_files,
              "camera_file": camera_files, "image_list": image_lists, "euroc_ground_truth": euroc_ground_truths}
     for target, make in seeds.items():
         folder = out / target

@@ -25,6 +25,8 @@ constexpr std::array kTargets = {
     Target{"coco_annotations", read_coco_annotations},
     Target{"coco_results", read_coco_results},
     Target{"map_file", read_map_file},
+    Target{"cognitive_map", read_cognitive_map_file},
+    Target{"odometry_file", read_odometry_file},
     Target{"camera_file", read_camera_file},
     Target{"image_list", read_image_list},
     Target{"euroc_ground_truth", read_euroc_ground_truth},
