@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
   app.footer("Run `penumbra COMMAND --help` for a command's options and examples.");
 
   penumbra::apps::add_slam_command(app);
+  penumbra::apps::add_brain_command(app);
   penumbra::apps::add_segment_command(app);
   penumbra::apps::add_classify_command(app);
   penumbra::apps::add_synth_command(app);

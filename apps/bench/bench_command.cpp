@@ -17,6 +17,7 @@ void add_bench_command(CLI::App& app) {
   add_depth_masks_benchmark(*bench);
   add_slam_benchmark(*bench);
   add_dynamics_benchmark(*bench);
+  add_brain_benchmark(*bench);
   bench->footer(
       "Examples:\n"
       "  penumbra bench peak --threads 1\n"

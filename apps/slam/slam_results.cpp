@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "apps/common/log.h"
+#include "apps/common/result_writer.h"
 #include "apps/view/frames_report.h"
 #include "apps/view/keyframe_gallery.h"
+#include "apps/view/run_truth.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
@@ -34,68 +36,10 @@ slam::Trajectory located(const slam::Recorder& record) {
   return located;
 }
 
-// Ground truth and estimate of the frames that have both, the ground truth moved so that it starts where the
-// estimate starts.
-slam::TrajectoryPair pair_with_ground_truth(const slam::StereoDataset& dataset,
-                                            const slam::Trajectory& estimate) {
-  slam::TrajectoryPair pair;
-  if (!dataset.ground_truth()) return pair;
-  std::size_t at = 0;
-  for (const slam::TimedPose& pose : *dataset.ground_truth()) {  // with the frames' own times
-    while (at < estimate.size() && estimate[at].timestamp < pose.timestamp) ++at;
-    if (at == estimate.size()) break;
-    if (estimate[at].timestamp != pose.timestamp) continue;
-    pair.reference.push_back(pose);
-    pair.estimate.push_back(estimate[at]);
-  }
-  if (pair.reference.empty()) return pair;
-  const slam::SE3 moved = pair.estimate.front().T_wc * pair.reference.front().T_wc.inverse();
-  for (slam::TimedPose& pose : pair.reference) pose.T_wc = moved * pose.T_wc;
-  return pair;
-}
-
-std::optional<slam::Evaluation> evaluate(const slam::TrajectoryPair& pair) {
-  if (pair.reference.size() < 2) return std::nullopt;
-  slam::EvaluationOptions options;
-  // Short pieces have no segment of a hundred metres.
-  if (slam::path_length(pair.reference) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
-  return slam::evaluate_trajectory(pair.reference, pair.estimate, options);
-}
-
-// Writes one thing after the other and remembers what could not be written.
-class Writer {
- public:
-  template <typename Write>
-  void write(Write&& write) {
-    try {
-      write();
-    } catch (const std::exception& error) {
-      failures_.emplace_back(error.what());
-    }
-  }
-  // The same of what can be drawn again.
-  template <typename Write>
-  void draw(Write&& write) {
-    try {
-      write();
-    } catch (const std::exception& error) {
-      log_warning("left out: {}", error.what());
-    }
-  }
-  void throw_failures() const {
-    if (failures_.empty()) return;
-    throw Error(fmt::format("{}{}", failures_.front(),
-                            failures_.size() > 1 ? fmt::format(" (and {} more)", failures_.size() - 1) : ""));
-  }
-
- private:
-  std::vector<std::string> failures_;
-};
-
 std::filesystem::path checkpoint_of(const std::filesystem::path& map) { return map.string() + ".checkpoint"; }
 
 // All that a run has found. What it has not is not left there from an earlier run either.
-void write_data(Writer& writer, const ResultPlaces& places, const slam::Recorder& record,
+void write_data(ResultWriter& writer, const ResultPlaces& places, const slam::Recorder& record,
                 const slam::Trajectory& estimate, const slam::Trajectory& truth, const SlamRun& run,
                 const std::filesystem::path& map_file) {
   const auto write_path = [&](const char* name, const slam::Trajectory& trajectory, auto write) {
@@ -116,7 +60,7 @@ void write_data(Writer& writer, const ResultPlaces& places, const slam::Recorder
 
 // The dense map and what run.json says of it. What this run does not have is not left there from an earlier
 // one.
-void write_dense(Writer& writer, const std::filesystem::path& out, slam::DenseMapper* dense,
+void write_dense(ResultWriter& writer, const std::filesystem::path& out, slam::DenseMapper* dense,
                  const slam::Recorder& record, SlamRun& run) {
   for (const char* name : {"dense.ply", "dense.pcd", "plan.pgm", "plan.yaml"}) {
     writer.draw([&] { std::filesystem::remove(out / name); });
@@ -153,8 +97,8 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
   const slam::Trajectory estimate = located(record);
   const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
   const slam::Trajectory& truth = pair.reference;
-  run.evaluation = evaluate(pair);
-  Writer writer;
+  run.evaluation = evaluate_run(pair);
+  ResultWriter writer;
   write_dense(writer, out, dense, record, run);
   write_data(writer, places, record, estimate, truth, run, places.save_map);
   if (estimate.empty()) {
@@ -172,7 +116,7 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
 }
 
 void write_checkpoint(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
-  Writer writer;
+  ResultWriter writer;
   write_data(writer, places, record, located(record), {}, run,
              places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
   // Pictures of an earlier run would not show what is written now.

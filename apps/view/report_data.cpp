@@ -37,7 +37,7 @@ std::string base64(std::string_view bytes) {
 }
 
 json read_json(const std::filesystem::path& path) {
-  const std::string text = nn::read_text_file(path, "a file that `penumbra slam` wrote");
+  const std::string text = nn::read_text_file(path, "a file that `penumbra slam` or `penumbra brain` wrote");
   json value = json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
   return value;
@@ -152,6 +152,28 @@ json dense_json(const slam::DenseCloud& cloud, std::size_t most) {
           {"classes", cloud.classes}};
 }
 
+// The nodes' places and the links of `penumbra brain`, and the picture of its place cells.
+json cognitive_json(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "cognitive_map.json", places = folder / "places.png";
+  const json map = read_json(path);
+  const auto refuse = [&] {
+    throw InputError(path.string(), "nodes with x and y, and links with from, to and recalled", "others");
+  };
+  json nodes = json::array(), links = json::array();
+  for (const json& node : map.value("nodes", json::array())) {
+    if (!node.is_object() || !node.contains("x") || !node.contains("y")) refuse();
+    nodes.push_back({node["x"], node["y"]});
+  }
+  for (const json& link : map.value("links", json::array())) {
+    if (!link.is_object() || !link.contains("from") || !link.contains("to") || !link.contains("recalled"))
+      refuse();
+    links.push_back({link["from"], link["to"], link["recalled"]});
+  }
+  json data = {{"nodes", nodes}, {"links", links}};
+  if (std::filesystem::exists(places)) data["places"] = base64(nn::read_file(places, "a picture"));
+  return data;
+}
+
 }  // namespace
 
 nlohmann::json points_json(const std::vector<slam::PlyVertex>& vertices, std::size_t most) {
@@ -185,6 +207,8 @@ nlohmann::json report_data(const std::filesystem::path& folder, std::size_t most
       std::filesystem::exists(map) ? slam::read_ply(map) : std::vector<slam::PlyVertex>{}, most_points);
   if (const auto dense = folder / "dense.ply"; std::filesystem::exists(dense))
     data["dense"] = dense_json(slam::read_dense_ply(dense), kMostDensePoints);
+  if (const auto cognitive = folder / "cognitive_map.json"; std::filesystem::exists(cognitive))
+    data["cognitive"] = cognitive_json(folder);
   data["gallery"] = gallery(folder / "gallery");
   return data;
 }

@@ -1,4 +1,4 @@
-// Draws a run of `penumbra slam`: the report from the JSON in #data, or what live.js fetches. Every section marks
+// Draws a run of `penumbra slam` or `penumbra brain`: the report from the JSON in #data, or what live.js fetches. Every section marks
 // itself with data-drawn once it shows something; each may be drawn again with newer data.
 'use strict';
 const css = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
@@ -39,13 +39,15 @@ function show_tiles(id, tiles) {
 
 function summary(data) {
   const run = data.run, truth = run.ground_truth;
+  const is_brain = run.system === 'brain';
+  const map_size = is_brain ? [run.nodes, 'nodes'] : [run.map_points, 'map points'];
   element('headline').textContent = `${run.frames} frames, ${run.tracked} located, ${run.keyframes} keyframes, ` +
-      `${run.map_points} map points`;
+      map_size.join(' ');
   if (run.error) complain(`The run stopped early: ${run.error}`);
   if (run.unfinished) complain('This is a checkpoint: the run did not come to its end');
   warnings(run);
-  const tiles = [[run.frames, 'frames'], [run.lost, 'lost'], [run.keyframes, 'keyframes'], [run.map_points, 'map points'],
-                 [(run.loops || []).length, 'loops closed']];
+  const tiles = [[run.frames, 'frames'], [run.lost, 'lost'], [run.keyframes, 'keyframes'], map_size,
+                 [(run.loops || []).length, is_brain ? 'places recalled' : 'loops closed']];
   if (run.median_ms !== undefined) tiles.push([fixed(run.median_ms, 1) + ' ms', 'a frame, median']);
   if (run.p95_ms !== undefined) tiles.push([fixed(run.p95_ms, 1) + ' ms', '95 % of frames below']);
   if (run.disparity_offset_px) tiles.push([fixed(run.disparity_offset_px, 2) + ' px', 'disparity offset found']);
@@ -102,15 +104,19 @@ function axes(canvas, x_range, y_range, x_name, y_name) {
 
 const largest = values => values.reduce((a, b) => Math.max(a, b), 0);
 
-function path_from_above(data) {
-  const canvas = element('top'), all = data.estimate.concat(data.truth);
-  const range = k => [Math.min(...all.map(p => p[k])), Math.max(...all.map(p => p[k]))];
-  let [x0, x1] = range(0), [z0, z1] = range(2);
-  // Metres are as long upwards as sideways.
+// Axes of a map that shows all points [right, up], metres as long upwards as sideways.
+function map_axes(canvas, all, x_name, y_name) {
+  const range = k => [all.reduce((a, p) => Math.min(a, p[k]), Infinity), all.reduce((a, p) => Math.max(a, p[k]), -Infinity)];
+  const [x0, x1] = range(0), [z0, z1] = range(1);
   const aspect = (canvas.width - 76) / (canvas.height - 48), pad = 0.06 * Math.max(x1 - x0, z1 - z0, 1);
   const height = Math.max(z1 - z0 + 2 * pad, (x1 - x0 + 2 * pad) / aspect), width = height * aspect;
   const mx = (x0 + x1) / 2, mz = (z0 + z1) / 2;
-  const plot = axes(canvas, [mx - width / 2, mx + width / 2], [mz - height / 2, mz + height / 2], 'x, metres', 'z, metres');
+  return axes(canvas, [mx - width / 2, mx + width / 2], [mz - height / 2, mz + height / 2], x_name, y_name);
+}
+
+function path_from_above(data) {
+  const canvas = element('top'), all = data.estimate.concat(data.truth).map(p => [p[0], p[2]]);
+  const plot = map_axes(canvas, all, 'x, metres', 'z, metres');
   const line = (points, colour, thickness) => {
     plot.draw.strokeStyle = colour; plot.draw.lineWidth = thickness; plot.draw.beginPath();
     points.forEach((p, i) => plot.draw[i ? 'lineTo' : 'moveTo'](plot.x(p[0]), plot.y(p[2])));
@@ -131,6 +137,30 @@ function path_from_above(data) {
     }
   }
   canvas.dataset.drawn = data.estimate.length;
+}
+
+// Nodes and links, drawn as the path is: x to the right, z ahead. The robot's own plane has x ahead and y to its left.
+function cognitive_map(data) {
+  show_section('cognitive-section', Boolean(data.cognitive));
+  if (!data.cognitive) return;
+  const {nodes, links, places} = data.cognitive, at = nodes.map(([x, y]) => [-y, x]);
+  const canvas = element('cognitive'), plot = map_axes(canvas, at, 'x, metres', 'z, metres');
+  for (const recalled of [false, true]) {
+    plot.draw.strokeStyle = css(recalled ? 'loop' : 'estimate');
+    plot.draw.lineWidth = recalled ? 2 : 1;
+    plot.draw.beginPath();
+    for (const [a, b, by_recall] of links) {
+      if (by_recall !== recalled || !at[a] || !at[b]) continue;
+      plot.draw.moveTo(plot.x(at[a][0]), plot.y(at[a][1]));
+      plot.draw.lineTo(plot.x(at[b][0]), plot.y(at[b][1]));
+    }
+    plot.draw.stroke();
+  }
+  plot.draw.fillStyle = css('estimate');
+  for (const [x, y] of at) { plot.draw.beginPath(); plot.draw.arc(plot.x(x), plot.y(y), 2.5, 0, 7); plot.draw.fill(); }
+  canvas.dataset.drawn = nodes.length;
+  element('places-figure').hidden = !places;
+  if (places) element('places').src = 'data:image/png;base64,' + places;
 }
 
 function curve(id, values, y_name, colour) {
@@ -339,6 +369,7 @@ function show_report(data) {
   path_from_above(data);
   show_section('error-section', data.error.length > 0);
   if (data.error.length) curve('error', data.error, 'metres', css('lost'));
+  cognitive_map(data);
   times(data);
   filter(data);
   gallery(data);

@@ -1,0 +1,98 @@
+// penumbra bench brain: the brain-inspired SLAM beside odometry alone and RatSLAM's templates.
+#include <fmt/core.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "apps/brain/brain_rows.h"
+#include "apps/brain/landmark_finder.h"
+#include "apps/common/commands.h"
+#include "apps/common/compute_options.h"
+#include "nn/base/error.h"
+#include "nn/base/file.h"
+#include "slam/brain/motion/odometry_noise.h"
+#include "slam/sources/open_dataset.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+struct BenchBrainOptions {
+  std::vector<std::string> recordings;
+  std::vector<std::string> rows = brain_row_names();
+  std::vector<std::uint64_t> seeds = {900, 901, 902};
+  std::string noise = "noisy";
+  std::filesystem::path weights, out;
+};
+
+std::string table_of(const nlohmann::json& rows) {
+  std::string table =
+      "| recording | seed | row | ATE m | t_rel % | r_rel deg/100 m | recalls | precision | recall | nodes | "
+      "map "
+      "MB | ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const nlohmann::json& row : rows) {
+    table += fmt::format(
+        "| {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {} | {:.1f} | {:.1f} | {} | {:.1f} | {:.2f} |\n",
+        row["recording"].get<std::string>(), row["seed"].get<int>(), row["name"].get<std::string>(),
+        row["ate_m"].get<double>(), row["rpe_percent"].get<double>(), row["rpe_deg_per_100m"].get<double>(),
+        row["recalls"].get<int>(), 100.0 * row["precision"].get<double>(),
+        100.0 * row["recall"].get<double>(), row["nodes"].get<int>(), row["map_mb"].get<double>(),
+        row["ms"].get<double>());
+  }
+  return table;
+}
+
+void run_bench_brain(const BenchBrainOptions& options) {
+  std::vector<BrainRow> rows;
+  for (const std::string& name : options.rows) {
+    rows.push_back(brain_row(name));
+    rows.back().settings.threads = omp_get_max_threads();
+  }
+  slam::brain::LandmarkFinder finder;
+  if (std::any_of(rows.begin(), rows.end(), [](const BrainRow& row) {
+        return row.settings.templates == slam::brain::TemplateKind::landmarks && row.settings.recall;
+      }))
+    finder = make_landmark_finder(options.weights);
+  const slam::brain::OdometryNoise noise = slam::brain::odometry_noise(options.noise);
+  nlohmann::json all = nlohmann::json::array();
+  for (const std::string& folder : options.recordings) {
+    const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(folder, {});
+    for (const std::uint64_t seed : options.seeds) {
+      for (nlohmann::json& row : run_brain_rows(*dataset, rows, noise, seed, finder, dataset->name())) {
+        row["recording"] = dataset->name();
+        row["seed"] = seed;
+        all.push_back(std::move(row));
+      }
+    }
+  }
+  const std::string table = table_of(all);
+  if (!options.out.empty()) {
+    nn::make_writable_folder(options.out);
+    nn::write_file(options.out / "brain.md", table);
+    nn::write_file(options.out / "brain.json", all.dump(2) + "\n");
+  }
+  fmt::print("{}", table);
+}
+
+}  // namespace
+
+void add_brain_benchmark(CLI::App& bench) {
+  const auto options = std::make_shared<BenchBrainOptions>();
+  CLI::App* command =
+      bench.add_subcommand("brain", "The brain-inspired SLAM: loops, accuracy, time and memory");
+  command->add_option("recordings", options->recordings, "folders of recordings with ground truth");
+  command->add_option("--rows", options->rows, "what is compared")->delimiter(',')->capture_default_str();
+  command->add_option("--seeds", options->seeds, "of the odometry's noise")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--noise", options->noise, "of the odometry: none, noisy or rough")
+      ->capture_default_str();
+  add_interest_weights_option(command, options->weights);
+  add_threads_option(command);
+  command->add_option("--out", options->out, "folder for the results")->type_name("DIR");
+  command->callback([options] { run_bench_brain(*options); });
+}
+
+}  // namespace penumbra::apps
