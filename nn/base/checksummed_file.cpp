@@ -25,7 +25,7 @@ std::string read_checksummed_file(const std::filesystem::path& path, std::string
   ByteReader header(std::string_view(bytes).substr(magic.size()), place, magic.size());
   const auto found = header.get<std::uint32_t>("version");
   if (found != version) {
-    throw InputError(place, fmt::format("version {}", version), fmt::format("{}", found));
+    throw InputError(place, fmt::format("version {}", version), fmt::format("version {}", found));
   }
   const auto crc = header.get<std::uint32_t>("checksum");
   const auto size = header.get<std::uint64_t>("size");

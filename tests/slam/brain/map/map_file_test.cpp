@@ -166,7 +166,7 @@ TEST_P(CognitiveMapFile, AnotherFileOrVersionIsNamed) {
   std::string file = nn::read_file(path, "");
   file[8] = 9;
   nn::write_file(path, file);
-  expect_error<InputError>([&] { read_cognitive_map(path); }, {"version 1", "9"});
+  expect_error<InputError>([&] { read_cognitive_map(path); }, {"version 1", "version 9"});
   expect_error<InputError>([&] { read_cognitive_map(folder / "none.brain"); }, {"none.brain"});
 }
 
