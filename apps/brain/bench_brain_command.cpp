@@ -92,6 +92,15 @@ void add_brain_benchmark(CLI::App& bench) {
   add_interest_weights_option(command, options->weights);
   add_threads_option(command);
   command->add_option("--out", options->out, "folder for the results")->type_name("DIR");
+  command->footer(
+      "Examples:\n"
+      "  penumbra bench brain out/street --out out/bench_brain\n"
+      "  penumbra bench brain out/street --rows ratslam,intensity-geometry --noise rough --seeds 1,2\n"
+      "Rows: odometry (no place is recalled), ratslam, no-interest (each landmark counts the same), "
+      "no-sharpness, ours,\n"
+      "slam (the geometric one, which takes no odometry), and intensity-geometry: ours with RatSLAM's "
+      "templates. Prints\n"
+      "and writes a table (brain.md) and all figures (brain.json).");
   command->callback([options] { run_bench_brain(*options); });
 }
 

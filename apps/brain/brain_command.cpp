@@ -13,17 +13,18 @@ namespace penumbra::apps {
 namespace {
 
 constexpr const char* kBrainExamples = R"(Examples:
-  penumbra brain out/street --templates intensity --out out/brain
-  penumbra brain out/street --templates intensity --noise rough --seed 3 --out out/rough
-  penumbra brain out/street --templates ratslam --noise rough --seed 3 --out out/ratslam
-  penumbra brain out/street --templates intensity --save-map yard.brain --out out/monday
-  penumbra brain out/street --templates intensity --load-map yard.brain --out out/tuesday
+  penumbra brain out/street --out out/brain
+  penumbra brain out/street --odometry wheels.txt --save-map yard.brain --out out/monday
+  penumbra brain out/street --odometry wheels.txt --load-map yard.brain --out out/tuesday
+  penumbra brain out/street --noise rough --seed 3 --out out/rough
+  penumbra brain out/street --noise rough --seed 3 --templates ratslam --out out/ratslam
+  penumbra report out/brain
 
-Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (a pose a frame, by the settled map), cognitive_map.json
-(nodes and links), run.json (counts, times, loops, errors against the ground truth), and pictures: trajectory.svg,
-believed.svg (as the robot believed at the time), cognitive_map.svg, error.svg (over time, with the moments of recall), places.png
-(the place cells' activity). The robot's motion is that of visual odometry, of a file, or the true one made worse. It moves in a plane.
-docs/brain/README.md has the chapters.)";
+Writes into the --out folder: trajectory_kitti.txt and trajectory_tum.txt (a pose a frame, by the settled map),
+cognitive_map.json (nodes and links), frames.json, run.json (counts, times, loops, errors against the ground truth), and
+pictures: trajectory.svg, believed.svg (as the robot believed at the time), cognitive_map.svg, error.svg (over time, with
+the moments of recall), places.png (the place cells' activity). The robot's motion is that of visual odometry, of a
+file, or the true one made worse. It moves in a plane. docs/brain/README.md has the chapters.)";
 
 }  // namespace
 

@@ -25,6 +25,8 @@ for name in monday tuesday wednesday tomorrow nightly; do
   printf 'fx: 179.8\nfy: 179.8\ncx: 151.34\ncy: 46.28\nbaseline: 0.537\n' > $name/calibration.yaml
 done
 cp -r monday my_camera
+ln -s my_camera my_robot
+for i in 0 1 2 3 4 5 6 7; do echo "0.$i 9.0 0.0"; done > wheels.txt
 
 # EuRoC: two cameras that happen to be rectified.
 for camera in 0 1; do
@@ -55,6 +57,7 @@ synth --sensor rgbd --frames 8 --out rgbd_dataset_freiburg1_xyz
 cp rgbd_dataset_freiburg1_xyz/groundtruth.txt groundtruth.txt
 
 synth --frames 8 --annotations --out out/street
+ln -s street out/06
 synth --scene office --frames 6 --annotations --out out/walking_xyz
 synth --frames 2 --annotations --out street
 cp street/annotations/instances.json instances_val2017.json

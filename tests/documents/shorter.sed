@@ -32,3 +32,11 @@ s/[[:space:]]+#.*$//
   s/ --frames [^ ]+//g
   s/$/ --frames 0:4/
 }
+/penumbra brain train-grid/{
+  s/ --(seconds|seeds|modules) [^ ]+//g
+  s/$/ --seconds 20 --seeds 1 --modules 1/
+}
+/penumbra bench brain/{
+  s/ --seeds [^ ]+//g
+  s/$/ --seeds 1/
+}
