@@ -53,7 +53,7 @@ slam::PlotCanvas draw_cognitive_map(const slam::brain::CognitiveMap& map) {
   const auto recalled = std::count_if(map.links().begin(), map.links().end(),
                                       [](const slam::brain::Link& link) { return link.recalled; });
   const MapView to_picture = view_of(map, canvas.size());
-  canvas.text(fmt::format("{} nodes, {} links; red: {} places that were recalled", map.size(),
+  canvas.text(fmt::format("{} nodes, {} links; red: {} by which a place was recalled", map.size(),
                           map.links().size(), recalled),
               {kLeft, 60.0}, 12, slam::Anchor::left, slam::kFaintInk);
   for (const bool drawn_last : {false, true}) {
