@@ -58,6 +58,16 @@ void add_brain_command(CLI::App& app) {
                    "slips) or rough")
       ->excludes(odometry)
       ->type_name("NAME");
+  command
+      ->add_option("--camera-yaw", options->camera_yaw,
+                   "degrees that the camera looks to the left of where the robot drives (default: 0; with "
+                   "--noise: as the true path says)")
+      ->check(number_from(-180.0, 180.0, "degrees from -180 to 180"))
+      ->type_name("DEG");
+  command
+      ->add_option("--camera-pitch", options->camera_pitch, "degrees that it looks down (default: likewise)")
+      ->check(number_from(-80.0, 80.0, "degrees from -80 to 80"))
+      ->type_name("DEG");
   command->add_option("--seed", options->seed, "of that noise")->capture_default_str();
   command
       ->add_option("--templates", options->templates,

@@ -28,6 +28,7 @@ class RunningRow {
       slam_record_ = std::make_unique<slam::Recorder>(*slam_);
     } else {
       brain_ = std::make_unique<slam::brain::Brain>(dataset.camera(), dataset.sensor(), row.settings, finder);
+      record_ = slam::brain::BrainRecorder(row.settings.mount);
     }
   }
 
@@ -121,9 +122,14 @@ std::vector<nlohmann::json> run_brain_rows(const slam::StereoDataset& dataset,
                                            const slam::brain::LandmarkFinder& finder,
                                            const std::string& title) {
   const slam::Trajectory& truth = truth_of(dataset);
-  const std::vector<slam::brain::SelfMotion> motions = slam::brain::spoiled_odometry(truth, noise, seed);
+  const slam::brain::CameraMount mount = slam::brain::CameraMount::of_path(truth);
+  const std::vector<slam::brain::SelfMotion> motions =
+      slam::brain::spoiled_odometry(truth, noise, seed, mount);
   std::vector<std::unique_ptr<RunningRow>> running;
-  for (const BrainRow& row : rows) running.push_back(std::make_unique<RunningRow>(dataset, row, finder));
+  for (BrainRow row : rows) {
+    row.settings.mount = mount;
+    running.push_back(std::make_unique<RunningRow>(dataset, row, finder));
+  }
   slam::Prefetcher frames(dataset);
   ProgressBar progress(title, dataset.size());
   for (int i = 0; frames.has_next(); ++i) {

@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <memory>
+#include <numbers>
 
 #include "apps/brain/brain_results.h"
 #include "apps/brain/landmark_finder.h"
@@ -31,7 +32,7 @@ namespace {
 class MotionSource {
  public:
   MotionSource(const BrainOptions& options, const slam::StereoDataset& dataset,
-               std::vector<std::string>& notes) {
+               const slam::brain::CameraMount& mount, std::vector<std::string>& notes) {
     std::vector<double> times;
     for (int i = 0; i < dataset.size(); ++i) times.push_back(dataset.timestamp(i));
     if (!options.odometry.empty()) {
@@ -41,10 +42,10 @@ class MotionSource {
       notes.insert(notes.end(), of.notes.begin(), of.notes.end());
       name_ = "wheel odometry";
     } else if (!options.noise.empty()) {
-      spoil_truth(options, dataset);
+      spoil_truth(options, dataset, mount);
       name_ = fmt::format("true motion, {} noise, seed {}", options.noise, options.seed);
     } else {
-      visual_.emplace(dataset.camera(), dataset.sensor(), omp_get_max_threads());
+      visual_.emplace(dataset.camera(), dataset.sensor(), omp_get_max_threads(), mount);
       name_ = "visual odometry";
     }
   }
@@ -52,7 +53,13 @@ class MotionSource {
   const std::string& name() const { return name_; }
   // What the images say about the motion that does not fit a robot on the ground; empty: nothing.
   std::string doubt() const {
-    constexpr double kMostClimb = 0.15;
+    constexpr double kMostClimb = 0.15, kMostAside = 0.3;
+    if (visual_ && visual_->side_share() > kMostAside) {
+      return fmt::format(
+          "{:.0f} % of the way leads to the robot's side, where wheels do not go: is the camera turned "
+          "(--camera-yaw)?",
+          100.0 * visual_->side_share());
+    }
     if (!visual_ || visual_->climb_share() < kMostClimb) return {};
     return fmt::format(
         "{:.0f} % of the way goes up or down: the cognitive map is a plane and knows nothing of it (of a "
@@ -69,15 +76,16 @@ class MotionSource {
   }
 
  private:
-  void spoil_truth(const BrainOptions& options, const slam::StereoDataset& dataset) {
+  void spoil_truth(const BrainOptions& options, const slam::StereoDataset& dataset,
+                   const slam::brain::CameraMount& mount) {
     const slam::brain::OdometryNoise noise = slam::brain::odometry_noise(options.noise);
     if (!dataset.ground_truth() || static_cast<int>(dataset.ground_truth()->size()) != dataset.size()) {
       throw UsageError(
           fmt::format("--noise: expected a recording with a true pose for each of its {} frames, found {}",
                       dataset.size(), dataset.ground_truth() ? dataset.ground_truth()->size() : 0));
     }
-    for (const SelfMotion& motion : slam::brain::spoiled_odometry(*dataset.ground_truth(), noise,
-                                                                  static_cast<std::uint64_t>(options.seed)))
+    for (const SelfMotion& motion : slam::brain::spoiled_odometry(
+             *dataset.ground_truth(), noise, static_cast<std::uint64_t>(options.seed), mount))
       of_frames_.push_back({motion});
   }
 
@@ -86,6 +94,18 @@ class MotionSource {
   std::optional<slam::brain::VisualOdometry> visual_;
   SelfMotion step_;
 };
+
+slam::brain::CameraMount mount_of(const BrainOptions& options, const slam::StereoDataset& dataset) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  if (options.camera_yaw || options.camera_pitch || options.noise.empty() || !dataset.ground_truth())
+    return {kDegree * options.camera_yaw.value_or(0.0), kDegree * options.camera_pitch.value_or(0.0)};
+  slam::brain::CameraMount mount = slam::brain::CameraMount::of_path(*dataset.ground_truth());
+  if (mount.yaw() != 0.0 || mount.pitch() != 0.0) {
+    log_info("the true path says that the camera looks {:.0f} degrees to the left of the way and {:.0f} down",
+             mount.yaw() / kDegree, mount.pitch() / kDegree);
+  }
+  return mount;
+}
 
 slam::brain::BrainSettings settings_of(const BrainOptions& options) {
   using slam::brain::BrainSettings;
@@ -122,7 +142,7 @@ void print_summary(const nlohmann::json& run, const std::filesystem::path& out) 
 }  // namespace
 
 void run_brain(const BrainOptions& options) {
-  const slam::brain::BrainSettings settings = settings_of(options);
+  slam::brain::BrainSettings settings = settings_of(options);
   slam::DatasetOptions from = dataset_options(options.dataset);
   from.sequence = options.sequence;
   from.frame_rate = options.frame_rate;
@@ -132,7 +152,8 @@ void run_brain(const BrainOptions& options) {
   const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
   run.dataset = dataset->name();
   run.warnings = dataset->notes();
-  MotionSource motion(options, *dataset, run.warnings);
+  settings.mount = mount_of(options, *dataset);
+  MotionSource motion(options, *dataset, settings.mount, run.warnings);
   run.motion = motion.name();
   for (const std::string& note : run.warnings) log_warning("{}", note);
   std::optional<slam::brain::StoredMap> loaded;
@@ -151,7 +172,7 @@ void run_brain(const BrainOptions& options) {
     finder = make_landmark_finder(options.weights);
   slam::brain::Brain brain(dataset->camera(), dataset->sensor(), settings, std::move(finder),
                            loaded ? &*loaded : nullptr);
-  slam::brain::BrainRecorder record;
+  slam::brain::BrainRecorder record(settings.mount);
   const Interruption interruption;
   const double cpu_before = process_usage().cpu_seconds;
   {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "nn/base/error.h"
@@ -48,6 +49,16 @@ Brain::Brain(const StereoCamera& camera, Sensor sensor, const BrainSettings& set
     throw InputError("cognitive map", fmt::format("templates of {}", to_string(settings.templates)),
                      to_string(loaded->templates));
   }
+  constexpr double kSameTurn = 0.05;  // radians
+  const auto turn = [](double yaw, double pitch) {
+    return fmt::format("a camera turned by {:.0f} degrees to the left and {:.0f} down",
+                       yaw * 180.0 / std::numbers::pi, pitch * 180.0 / std::numbers::pi);
+  };
+  if (std::abs(wrapped_angle(loaded->camera_yaw - settings.mount.yaw())) > kSameTurn ||
+      std::abs(loaded->camera_pitch - settings.mount.pitch()) > kSameTurn) {
+    throw InputError("cognitive map", turn(settings.mount.yaw(), settings.mount.pitch()),
+                     turn(loaded->camera_yaw, loaded->camera_pitch));
+  }
   map_ = loaded->map;
   for (const Template& view : loaded->views) memory_.add(view);
   loaded_nodes_ = map_.size();
@@ -57,7 +68,9 @@ Brain::Brain(const StereoCamera& camera, Sensor sensor, const BrainSettings& set
 }
 
 StoredMap Brain::stored() const {
-  StoredMap stored{camera_, settings_.templates, scene_distance_, map_, {}};
+  StoredMap stored{
+      camera_, settings_.mount.yaw(), settings_.mount.pitch(), settings_.templates, scene_distance_, map_,
+      {}};
   for (int i = 0; i < map_.size(); ++i) stored.views.push_back(memory_.at(i));
   return stored;
 }

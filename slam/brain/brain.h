@@ -80,6 +80,7 @@ class Brain {
   const CognitiveMap& map() const { return map_; }
   const TemplateMemory& memory() const { return memory_; }
   const StereoCamera& camera() const { return camera_; }
+  const CameraMount& mount() const { return settings_.mount; }
   // Nodes of the map that it began with, and whether one of them was recalled since: poses are in that map's
   // world. True where it began with none.
   int loaded_nodes() const { return loaded_nodes_; }

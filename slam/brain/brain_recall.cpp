@@ -75,7 +75,8 @@ std::vector<Brain::Candidate> Brain::familiar(const Look& look, BrainResult& res
 
 std::optional<ProvenPlace> Brain::prove(const Look& look, const std::vector<PlacePoint>& points) const {
   return prove_place(camera_, points, *look.features, scales_,
-                     settings_.seed + static_cast<std::uint64_t>(look.frame), settings_.geometry);
+                     settings_.seed + static_cast<std::uint64_t>(look.frame), settings_.geometry,
+                     settings_.mount);
 }
 
 // The candidate that one motion proves, unless another explains the image nearly as well.

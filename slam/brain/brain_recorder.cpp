@@ -2,13 +2,10 @@
 
 namespace penumbra::slam::brain {
 
-namespace {
-
-TimedPose pose_of(const BrainResult& result, const CognitiveMap& map) {
-  return {result.timestamp, camera_pose(map.node(result.anchor).pose * result.since_anchor)};
+TimedPose BrainRecorder::pose_of(const BrainResult& result, const CognitiveMap& map) const {
+  return {result.timestamp,
+          mount_.to_camera(camera_pose(map.node(result.anchor).pose * result.since_anchor))};
 }
-
-}  // namespace
 
 const BrainResult& BrainRecorder::add(BrainResult result, const CognitiveMap& map, double milliseconds) {
   milliseconds_.push_back(milliseconds);

@@ -10,6 +10,8 @@ namespace penumbra::slam::brain {
 
 class BrainRecorder {
  public:
+  explicit BrainRecorder(const CameraMount& mount = {}) : mount_(mount) {}
+
   // `map`: as it is after the frame.
   const BrainResult& add(BrainResult result, const CognitiveMap& map, double milliseconds);
 
@@ -24,6 +26,9 @@ class BrainRecorder {
   std::vector<Recall> recalls() const;
 
  private:
+  TimedPose pose_of(const BrainResult& result, const CognitiveMap& map) const;
+
+  CameraMount mount_;
   std::vector<BrainResult> results_;
   std::vector<double> milliseconds_;
   Trajectory believed_;

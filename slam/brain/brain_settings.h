@@ -21,6 +21,7 @@ struct BrainSettings {
   SimilaritySettings similarity;
   ProfileSettings profile;
   PlaceGeometrySettings geometry;
+  CameraMount mount;  // how the camera is turned on the robot
   RelaxationSettings relaxation;
 
   // Keyframes (11, 12): so far from the last one, as a share of the scene's median distance, or so turned.

@@ -375,8 +375,8 @@ def cognitive_map_files():
     def link(a=0, b=1, metres=0.1, recalled=0):
         return struct.pack("<2i5dB", a, b, 1.0, 0.0, 0.1, metres, 0.01, recalled)
 
-    def file(nodes, links, kind=0, version=1, camera=camera(), scene=12.0, tail=b""):
-        body = camera + struct.pack("<Id", kind, scene) + struct.pack("<I", len(nodes)) + b"".join(nodes)
+    def file(nodes, links, kind=0, version=1, camera=camera(), scene=12.0, tail=b"", yaw=0.0):
+        body = camera + struct.pack("<2dId", yaw, 0.1, kind, scene) + struct.pack("<I", len(nodes)) + b"".join(nodes)
         body += struct.pack("<I", len(links)) + b"".join(links) + tail
         return b"PENUCOG\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
 
@@ -398,6 +398,7 @@ def cognitive_map_files():
     yield "bad_link_itself", file(two, [link(b=0)])
     yield "bad_deviation", file(two, [link(metres=0.0)])
     yield "bad_tail", file(two, [], tail=b"more")
+    yield "bad_yaw", file(two, [], yaw=float("nan"))
 
 
 def odometry_files():

@@ -121,6 +121,7 @@ void write_cognitive_map(const std::filesystem::path& path, const StoredMap& sto
   const StereoCamera& c = stored.camera;
   for (const double value : {c.fx, c.fy, c.cx, c.cy, c.baseline, c.disparity_offset}) body.put(value);
   for (const std::int32_t value : {c.width, c.height}) body.put(value);
+  for (const double value : {stored.camera_yaw, stored.camera_pitch}) body.put(value);
   body.put(static_cast<std::uint32_t>(stored.templates));
   body.put(stored.scene_distance);
   body.put(static_cast<std::uint32_t>(stored.map.size()));
@@ -158,6 +159,8 @@ StoredMap read_cognitive_map(const std::filesystem::path& path) {
   ByteReader in(body, place, nn::kChecksummedHeaderBytes);
   StoredMap stored;
   stored.camera = get_camera(in);
+  stored.camera_yaw = get_finite(in, "camera's yaw");
+  stored.camera_pitch = get_finite(in, "camera's pitch");
   const auto kind = in.get<std::uint32_t>("kind of templates");
   if (kind > 1) refuse(in, "0 (landmarks) or 1 (intensity) as kind of templates", fmt::format("{}", kind));
   stored.templates = static_cast<TemplateKind>(kind);

@@ -1,7 +1,8 @@
 // A cognitive map on disk: everything that is needed to find one's way in it again.
 //
 //   "PENUCOG\n"  version u32  CRC-32 of the body u32  bytes of the body u64  | body
-//   body: camera (fx fy cx cy baseline, disparity offset f64, width height i32), kind of templates u32,
+//   body: camera (fx fy cx cy baseline, disparity offset f64, width height i32), its yaw and pitch on the
+//         robot f64, kind of templates u32,
 //         scene's distance f64
 //         nodes u32, then each: frame i32, time f64, x y heading strength f64, activity (count u32, f32[]),
 //           points (count u32, 48 bytes each: descriptor u64[4], position f32[3], 4 unused), template:
@@ -26,6 +27,7 @@ inline constexpr std::uint32_t kCognitiveMapVersion = 1;
 // A map as it lies on disk.
 struct StoredMap {
   StereoCamera camera;
+  double camera_yaw = 0.0, camera_pitch = 0.0;  // radians, see CameraMount
   TemplateKind templates = TemplateKind::landmarks;
   double scene_distance = 0.0;  // metres, median of what was seen; 0: unknown
   CognitiveMap map;

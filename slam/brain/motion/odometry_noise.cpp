@@ -44,7 +44,7 @@ OdometryNoise odometry_noise(std::string_view name) {
 }
 
 std::vector<SelfMotion> spoiled_odometry(const Trajectory& truth, const OdometryNoise& noise,
-                                         std::uint64_t seed) {
+                                         std::uint64_t seed, const CameraMount& mount) {
   if (truth.size() < 2) {
     throw InputError("ground truth", "at least two poses to make odometry of",
                      fmt::format("{}", truth.size()));
@@ -58,7 +58,7 @@ std::vector<SelfMotion> spoiled_odometry(const Trajectory& truth, const Odometry
                        fmt::format("{:+g} s", dt));
     }
     SelfMotion& motion = motions[i];
-    motion = motion_of(plane_pose(truth[i - 1].T_wc.inverse() * truth[i].T_wc), dt);
+    motion = motion_of(plane_pose(mount.to_robot(truth[i - 1].T_wc.inverse() * truth[i].T_wc)), dt);
     const double speed = std::abs(motion.speed);
     const std::uint64_t draw = 4 * i;
     if (slip_left <= 0.0 && speed > 0.0 &&

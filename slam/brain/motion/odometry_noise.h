@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "slam/brain/motion/camera_mount.h"
 #include "slam/brain/motion/self_motion.h"
 #include "slam/geometry/trajectory.h"
 
@@ -32,9 +33,10 @@ struct OdometryNoise {
 // "none", "noisy" or "rough"; throws UsageError for another name.
 OdometryNoise odometry_noise(std::string_view name);
 
-// Entry i: the motion from pose i - 1 to pose i of `truth`; the first is at rest. Throws InputError where
+// Entry i: the motion of the robot from pose i - 1 to pose i of `truth`, which is its camera's; the first is
+// at rest. Throws InputError where
 // times do not increase or there are fewer than two poses.
 std::vector<SelfMotion> spoiled_odometry(const Trajectory& truth, const OdometryNoise& noise,
-                                         std::uint64_t seed);
+                                         std::uint64_t seed, const CameraMount& mount = {});
 
 }  // namespace penumbra::slam::brain

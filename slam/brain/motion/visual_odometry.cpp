@@ -17,8 +17,9 @@ SlamSettings odometry_settings(int threads) {
 
 }  // namespace
 
-VisualOdometry::VisualOdometry(const StereoCamera& camera, Sensor sensor, int threads)
-    : slam_(camera, sensor, odometry_settings(threads)) {}
+VisualOdometry::VisualOdometry(const StereoCamera& camera, Sensor sensor, int threads,
+                               const CameraMount& mount)
+    : slam_(camera, sensor, odometry_settings(threads)), mount_(mount) {}
 
 SelfMotion VisualOdometry::next(const StereoImages& images) {
   const FrameResult result = slam_.process(images);
@@ -27,10 +28,12 @@ SelfMotion VisualOdometry::next(const StereoImages& images) {
   if (last_) {
     // Two frames of one time still are a step.
     constexpr double kLeastSeconds = 1e-6;
-    const SE3 step = last_->T_wc.inverse() * now.T_wc;
+    const SE3 step = mount_.to_robot(last_->T_wc.inverse() * now.T_wc);
     motion = motion_of(plane_pose(step), std::max(kLeastSeconds, now.timestamp - last_->timestamp));
     way_ += step.translation.norm();
-    climbed_ += std::abs(now.T_wc.translation.y() - last_->T_wc.translation.y());
+    climbed_ +=
+        std::abs(mount_.to_robot(now.T_wc).translation.y() - mount_.to_robot(last_->T_wc).translation.y());
+    aside_ += std::abs(step.translation.x());
   }
   last_ = now;
   return motion;

@@ -2,6 +2,7 @@
 // which only the motion from frame to frame is taken.
 #pragma once
 
+#include "slam/brain/motion/camera_mount.h"
 #include "slam/brain/motion/self_motion.h"
 #include "slam/pipeline/slam.h"
 
@@ -9,17 +10,20 @@ namespace penumbra::slam::brain {
 
 class VisualOdometry {
  public:
-  VisualOdometry(const StereoCamera& camera, Sensor sensor, int threads);
+  VisualOdometry(const StereoCamera& camera, Sensor sensor, int threads, const CameraMount& mount = {});
   // Since the frame before; a frame that is lost goes on as the last ones did.
   SelfMotion next(const StereoImages& images);
   // Of the way so far, the share that goes up or down: a robot on the ground has a few per cent, a camera in
   // the hand or the air 20 and more, and no place in the plane. 0 without a way.
   double climb_share() const { return way_ > 0.0 ? climbed_ / way_ : 0.0; }
+  // The share that leads to the robot's side, which wheels do not do.
+  double side_share() const { return way_ > 0.0 ? aside_ / way_ : 0.0; }
 
  private:
   Slam slam_;
+  CameraMount mount_;
   std::optional<TimedPose> last_;
-  double way_ = 0.0, climbed_ = 0.0;  // metres
+  double way_ = 0.0, climbed_ = 0.0, aside_ = 0.0;  // metres
 };
 
 }  // namespace penumbra::slam::brain

@@ -58,7 +58,8 @@ double median_distance(const std::vector<PlacePoint>& points) {
 
 std::optional<ProvenPlace> prove_place(const StereoCamera& camera, const std::vector<PlacePoint>& place,
                                        const FrameFeatures& now, const std::vector<double>& scales,
-                                       std::uint64_t seed, const PlaceGeometrySettings& settings) {
+                                       std::uint64_t seed, const PlaceGeometrySettings& settings,
+                                       const CameraMount& mount) {
   std::vector<slam::Descriptor> descriptors;
   descriptors.reserve(place.size());
   for (const PlacePoint& point : place) descriptors.push_back(point.descriptor);
@@ -89,7 +90,7 @@ std::optional<ProvenPlace> prove_place(const StereoCamera& camera, const std::ve
     columns.set(static_cast<std::size_t>(std::clamp(column, 0, 7)));
   }
   if (static_cast<int>(columns.count()) < settings.fewest_columns) return std::nullopt;
-  const SE3 T_place_now = estimate.T_cw.inverse();
+  const SE3 T_place_now = mount.to_robot(estimate.T_cw.inverse());
   if (!is_on_the_ground(T_place_now, settings)) return std::nullopt;
   proven.motion = plane_pose(T_place_now);
   return proven;

@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "slam/brain/motion/camera_mount.h"
 #include "slam/brain/motion/plane.h"
 #include "slam/frontend/features/frame_features.h"
 #include "slam/geometry/pnp_ransac.h"
@@ -43,7 +44,7 @@ std::vector<PlacePoint> place_points(const StereoCamera& camera, const FrameFeat
 double median_distance(const std::vector<PlacePoint>& points);
 
 struct ProvenPlace {
-  PlanePose motion;  // of the camera now, in the template's frame
+  PlanePose motion;  // of the robot now, in the template's frame
   int inliers = 0;
   double share = 0.0;  // of the pairs
 };
@@ -51,6 +52,7 @@ struct ProvenPlace {
 // `scales`: of the pyramid's levels. The random draws depend on `seed` only.
 std::optional<ProvenPlace> prove_place(const StereoCamera& camera, const std::vector<PlacePoint>& place,
                                        const FrameFeatures& now, const std::vector<double>& scales,
-                                       std::uint64_t seed, const PlaceGeometrySettings& settings);
+                                       std::uint64_t seed, const PlaceGeometrySettings& settings,
+                                       const CameraMount& mount = {});
 
 }  // namespace penumbra::slam::brain
