@@ -32,14 +32,18 @@ std::string table_of(const nlohmann::json& rows) {
       "| recording | seed | row | ATE m | t_rel % | r_rel deg/100 m | recalls | precision | recall | nodes | "
       "map "
       "MB | ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  // Of nothing that was recalled, or to be, there is no share.
+  const auto percent = [](const nlohmann::json& row, const char* share, const char* of) {
+    return row[of].get<int>() > 0 ? fmt::format("{:.1f}", 100.0 * row[share].get<double>())
+                                  : std::string("-");
+  };
   for (const nlohmann::json& row : rows) {
     table += fmt::format(
-        "| {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {} | {:.1f} | {:.1f} | {} | {:.1f} | {:.2f} |\n",
-        row["recording"].get<std::string>(), row["seed"].get<int>(), row["name"].get<std::string>(),
+        "| {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {} | {} | {:.1f} | {:.2f} |\n",
+        row["recording"].get<std::string>(), row["seed"].get<std::uint64_t>(), row["name"].get<std::string>(),
         row["ate_m"].get<double>(), row["rpe_percent"].get<double>(), row["rpe_deg_per_100m"].get<double>(),
-        row["recalls"].get<int>(), 100.0 * row["precision"].get<double>(),
-        100.0 * row["recall"].get<double>(), row["nodes"].get<int>(), row["map_mb"].get<double>(),
-        row["ms"].get<double>());
+        row["recalls"].get<int>(), percent(row, "precision", "recalls"), percent(row, "recall", "revisits"),
+        row["nodes"].get<int>(), row["map_mb"].get<double>(), row["ms"].get<double>());
   }
   return table;
 }
@@ -56,6 +60,7 @@ void run_bench_brain(const BenchBrainOptions& options) {
       }))
     finder = make_landmark_finder(options.weights);
   const slam::brain::OdometryNoise noise = slam::brain::odometry_noise(options.noise);
+  if (!options.out.empty()) nn::make_writable_folder(options.out);
   nlohmann::json all = nlohmann::json::array();
   for (const std::string& folder : options.recordings) {
     const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(folder, {});
@@ -69,7 +74,6 @@ void run_bench_brain(const BenchBrainOptions& options) {
   }
   const std::string table = table_of(all);
   if (!options.out.empty()) {
-    nn::make_writable_folder(options.out);
     nn::write_file(options.out / "brain.md", table);
     nn::write_file(options.out / "brain.json", all.dump(2) + "\n");
   }
@@ -82,7 +86,8 @@ void add_brain_benchmark(CLI::App& bench) {
   const auto options = std::make_shared<BenchBrainOptions>();
   CLI::App* command =
       bench.add_subcommand("brain", "The brain-inspired SLAM: loops, accuracy, time and memory");
-  command->add_option("recordings", options->recordings, "folders of recordings with ground truth");
+  command->add_option("recordings", options->recordings, "folders of recordings with ground truth")
+      ->required();
   command->add_option("--rows", options->rows, "what is compared")->delimiter(',')->capture_default_str();
   command->add_option("--seeds", options->seeds, "of the odometry's noise")
       ->delimiter(',')

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "slam/brain/position/place_cells.h"
+#include "slam/brain/position/position_model.h"
 
 namespace penumbra::apps {
 
@@ -88,8 +90,10 @@ slam::PlotCanvas draw_error_over_time(const slam::TrajectoryPair& believed,
     return Point2{kLeft + width * (time - begin) / span, bottom - height * error / most};
   };
   canvas.text("Distance from the true position", {kLeft, 36.0}, 18, slam::Anchor::left, slam::kInk, true);
-  canvas.text("blue: as believed at the time; green: by the settled map; red: a place was recalled",
-              {kLeft, 60.0}, 12, slam::Anchor::left, slam::kFaintInk);
+  canvas.text(
+      "from a common start; blue: as believed at the time; green: by the settled map; red: a place was "
+      "recalled",
+      {kLeft, 60.0}, 12, slam::Anchor::left, slam::kFaintInk);
   const double step = slam::round_step(most / 6.0);
   for (double error = 0.0; error <= most; error += step) {
     canvas.line(at(begin, error), at(begin + span, error), 1.0, slam::kGrid);
@@ -123,17 +127,26 @@ ByteImage draw_place_activity(const slam::brain::CognitiveMap& map,
   }
   const int columns = std::min(kMost, static_cast<int>(keyframes.size())), rows = std::min(kMost, map.size());
   if (columns == 0 || rows == 0) throw Error("no keyframes, no activity of place cells");
+  const auto width = static_cast<float>(slam::brain::PlaceCellSettings().width);
+  slam::brain::PositionModel position(slam::brain::standard_grid_code());
+  const auto activity_at = [&](const slam::brain::PlanePose& place) {
+    const std::span<const float> activity = position.activity_at({place.x, place.y});
+    return Eigen::Map<const Eigen::VectorXf>(activity.data(), static_cast<Eigen::Index>(activity.size()))
+        .eval();
+  };
+  std::vector<Eigen::VectorXf> cells;
+  for (int y = 0; y < rows; ++y)
+    cells.push_back(
+        activity_at(map.node(static_cast<int>(static_cast<std::int64_t>(y) * map.size() / rows)).pose));
   ByteImage picture(columns, rows, 1);
   for (int x = 0; x < columns; ++x) {
     const slam::brain::BrainResult& now =
         *keyframes[static_cast<std::size_t>(x) * keyframes.size() / static_cast<std::size_t>(columns)];
-    const slam::brain::PlanePose here = map.node(now.anchor).pose * now.since_anchor;
+    const Eigen::VectorXf here = activity_at(map.node(now.anchor).pose * now.since_anchor);
+    const float variance = width * width * static_cast<float>(here.size());
     for (int y = 0; y < rows; ++y) {
-      const slam::brain::PlanePose& cell =
-          map.node(static_cast<int>(static_cast<std::int64_t>(y) * map.size() / rows)).pose;
-      constexpr double kField = 8.0;  // metres: wide enough to be seen
-      const double d = std::hypot(here.x - cell.x, here.y - cell.y) / kField;
-      *(picture.row(y) + x) = static_cast<std::uint8_t>(std::lround(255.0 * (1.0 - std::exp(-0.5 * d * d))));
+      const float p = std::exp(-0.5F * (here - cells[static_cast<std::size_t>(y)]).squaredNorm() / variance);
+      *(picture.row(y) + x) = static_cast<std::uint8_t>(std::lround(255.0F * (1.0F - p)));
     }
   }
   return picture;

@@ -17,8 +17,8 @@ slam::PlotCanvas draw_error_over_time(const slam::TrajectoryPair& believed,
                                       const slam::TrajectoryPair& settled,
                                       const std::vector<double>& recall_times);
 
-// Activity of the place cells over time (8): a column a keyframe, a row a node, darker where it is more
-// active; at most 400 of each.
+// Activity of the place cells over time (8), from the grid cells' activity at the keyframe and at the cell:
+// a column a keyframe, a row a node, darker where it is more active; at most 400 of each.
 ByteImage draw_place_activity(const slam::brain::CognitiveMap& map, const slam::brain::BrainRecorder& record);
 
 }  // namespace penumbra::apps

@@ -22,9 +22,10 @@ nlohmann::json pose_json(const slam::brain::PlanePose& pose) {
 }
 
 nlohmann::json recall_json(const slam::brain::Recall& recall) {
-  return {{"frame", recall.frame},    {"earlier_frame", recall.earlier_frame},
-          {"node", recall.node},      {"similarity", recall.similarity},
-          {"points", recall.inliers}, {"correction_m", recall.correction}};
+  return {{"frame", recall.frame},         {"earlier_frame", recall.earlier_frame},
+          {"node", recall.node},           {"similarity", recall.similarity},
+          {"points", recall.inliers},      {"correction_m", recall.correction},
+          {"of_loaded_map", recall.loaded}};
 }
 
 nlohmann::json truth_json(const slam::Evaluation& e) {
@@ -46,8 +47,8 @@ nlohmann::json run_json(const slam::brain::Brain& brain, const slam::brain::Brai
                          {"motion", run.motion},
                          {"templates", slam::brain::to_string(brain.memory().kind())},
                          {"frames", record.results().size()},
-                         {"tracked", record.results().size()},
-                         {"lost", 0},
+                         {"tracked", static_cast<int>(record.results().size()) - run.lost},
+                         {"lost", run.lost},
                          {"keyframes", record.keyframes().size()},
                          {"nodes", brain.map().size()},
                          {"links", brain.map().links().size()},
@@ -70,7 +71,7 @@ nlohmann::json run_json(const slam::brain::Brain& brain, const slam::brain::Brai
   json["recalls"] = nlohmann::json::array();
   for (const slam::brain::Recall& recall : record.recalls()) json["recalls"].push_back(recall_json(recall));
   json["keyframe_frames"] = record.keyframes();
-  json["covisibility"] = nlohmann::json::array();
+  json["covisibility"] = json["loops"];  // keyframes that show the same points
   if (settled) json["ground_truth"] = truth_json(*settled);
   if (believed) json["ground_truth_believed"] = truth_json(*believed);
   return json;
@@ -120,10 +121,12 @@ nlohmann::json cognitive_map_json(const slam::brain::CognitiveMap& map,
 
 nlohmann::json write_brain_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                                    const slam::brain::Brain& brain, const slam::brain::BrainRecorder& record,
-                                   const BrainRun& run) {
+                                   const BrainRun& run, const std::filesystem::path& save_map) {
   const slam::Trajectory settled = record.trajectory(brain.map());
   const slam::TrajectoryPair truth = pair_with_ground_truth(dataset, settled);
-  const slam::TrajectoryPair then = pair_with_ground_truth(dataset, record.believed());
+  // What was believed before the way into a loaded map was found is of another world.
+  slam::TrajectoryPair then;
+  if (brain.loaded_nodes() == 0) then = pair_with_ground_truth(dataset, record.believed());
   const nlohmann::json json = run_json(brain, record, run, evaluate_run(truth), evaluate_run(then));
   ResultWriter writer;
   writer.write([&] { slam::write_kitti_poses(out / "trajectory_kitti.txt", settled); });
@@ -132,6 +135,7 @@ nlohmann::json write_brain_results(const std::filesystem::path& out, const slam:
     nn::write_file(out / "cognitive_map.json",
                    cognitive_map_json(brain.map(), brain.memory()).dump(1) + "\n");
   });
+  if (!save_map.empty()) writer.write([&] { slam::brain::write_cognitive_map(save_map, brain.stored()); });
   writer.write([&] { nn::write_file(out / "frames.json", frames_json(record).dump() + "\n"); });
   const auto truth_path = out / "ground_truth_tum.txt";
   writer.write([&] {
@@ -153,7 +157,7 @@ nlohmann::json write_brain_results(const std::filesystem::path& out, const slam:
   });
   writer.draw([&] { slam::write_plot(out / "cognitive_map.svg", draw_cognitive_map(brain.map())); });
   writer.draw([&] { nn::write_image(out / "places.png", draw_place_activity(brain.map(), record)); });
-  if (truth.reference.size() >= 2) {
+  if (then.reference.size() >= 2) {
     std::vector<double> times;
     for (const slam::brain::BrainResult& result : record.results()) {
       if (result.recall) times.push_back(result.timestamp);

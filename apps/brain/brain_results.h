@@ -17,6 +17,7 @@ struct BrainRun {
   std::string error;  // empty: the run came to its end
   double cpu_seconds = 0.0, peak_rss_mb = 0.0;
   int loaded_nodes = 0;  // of the map that it began with
+  int lost = 0;          // frames in which visual odometry was lost
 };
 
 // Nodes and links as JSON: nodes {frame, time, x, y, heading, strength, landmarks}, links {from, to, x, y,
@@ -28,10 +29,11 @@ nlohmann::json cognitive_map_json(const slam::brain::CognitiveMap& map,
 // index, timestamp, ms, keyframe, anchor and recalled, both nodes), ground_truth_tum.txt, run.json, then the
 // pictures trajectory.svg (settled and as believed at the time, against the truth), cognitive_map.svg (nodes,
 // links, recalls), error.svg (distance from the truth over time, where there is one, with the recalls marked)
-// and places.svg (the place cells' activity over time). Returns run.json. What cannot be written costs only
+// and places.svg (the place cells' activity over time). Returns run.json. `save_map`: also the map for
+// another run; empty: no. What cannot be written costs only
 // itself: of a picture a warning, of all else an Error once everything else is written.
 nlohmann::json write_brain_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                                    const slam::brain::Brain& brain, const slam::brain::BrainRecorder& record,
-                                   const BrainRun& run);
+                                   const BrainRun& run, const std::filesystem::path& save_map);
 
 }  // namespace penumbra::apps

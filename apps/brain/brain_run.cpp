@@ -67,6 +67,7 @@ class MotionSource {
         "the ground it is a few per cent); `penumbra slam` has no such limit",
         100.0 * visual_->climb_share());
   }
+  int lost() const { return visual_ ? visual_->lost() : 0; }
   // `images`: null where they cannot be had.
   std::span<const SelfMotion> of(int i, const slam::StereoImages* images) {
     if (!visual_) return of_frames_[static_cast<std::size_t>(i)];
@@ -130,11 +131,13 @@ void print_summary(const nlohmann::json& run, const std::filesystem::path& out) 
       run["dataset"].get<std::string>(), run["frames"].get<int>(), run["keyframes"].get<int>(),
       run["nodes"].get<int>(), run["links"].get<int>(), run["recalls"].size(), run.value("median_ms", 0.0));
   if (run.contains("ground_truth")) {
-    fmt::print(
-        "against the ground truth ({:.1f} m): APE {:.3f} m rmse by the settled map, {:.3f} m as believed at "
-        "the time\n",
-        run["ground_truth"]["path_m"].get<double>(), run["ground_truth"]["ape_rmse_m"].get<double>(),
-        run["ground_truth_believed"]["ape_rmse_m"].get<double>());
+    fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse by the settled map",
+               run["ground_truth"]["path_m"].get<double>(), run["ground_truth"]["ape_rmse_m"].get<double>());
+    if (run.contains("ground_truth_believed")) {
+      fmt::print(", {:.3f} m as believed at the time",
+                 run["ground_truth_believed"]["ape_rmse_m"].get<double>());
+    }
+    fmt::print("\n");
   }
   fmt::print("results in {}\n", out.string());
 }
@@ -160,11 +163,19 @@ void run_brain(const BrainOptions& options) {
   if (!options.load_map.empty()) {
     loaded = slam::brain::read_cognitive_map(options.load_map);
     slam::require_same_camera(loaded->camera, dataset->camera(), options.load_map);
+    if (loaded->templates != settings.templates) {
+      throw InputError(options.load_map,
+                       fmt::format("templates of {} (--templates)", to_string(settings.templates)),
+                       to_string(loaded->templates));
+    }
   }
   nn::make_writable_folder(options.out);
   if (!options.save_map.empty()) {
     const std::filesystem::path folder = std::filesystem::path(options.save_map).parent_path();
     nn::require_writable_folder(folder.empty() ? "." : folder);
+    if (std::filesystem::is_directory(options.save_map))
+      throw UsageError(
+          fmt::format("--save-map: expected a file's name, found the folder {}", options.save_map));
   }
 
   slam::brain::LandmarkFinder finder;
@@ -173,6 +184,7 @@ void run_brain(const BrainOptions& options) {
   slam::brain::Brain brain(dataset->camera(), dataset->sensor(), settings, std::move(finder),
                            loaded ? &*loaded : nullptr);
   slam::brain::BrainRecorder record(settings.mount);
+  bool was_located = brain.is_located();
   const Interruption interruption;
   const double cpu_before = process_usage().cpu_seconds;
   {
@@ -188,7 +200,7 @@ void run_brain(const BrainOptions& options) {
         images = frames.next();
       } catch (const InputError& error) {
         run.warnings.push_back(error.what());
-        log_warning("{}; only the robot's motion is taken", error.what());
+        log_warning("{}; the robot's motion alone is taken, where it is not by sight", error.what());
       }
       try {
         const std::span<const SelfMotion> motions = motion.of(i, images ? &*images : nullptr);
@@ -196,6 +208,11 @@ void run_brain(const BrainOptions& options) {
         slam::brain::BrainResult result =
             images ? brain.process(std::move(*images), motions)
                    : brain.process_missing(dataset->frame_number(i), dataset->timestamp(i), motions);
+        if (result.recall && result.recall->loaded && !was_located) {
+          log_info("frame {}: found the way into {}, at the place of its frame {}", result.frame,
+                   options.load_map, result.recall->earlier_frame);
+        }
+        was_located = brain.is_located();
         if (result.recall && result.map_moved > 1.0) {
           log_info("frame {}: the place of frame {} again, the map moved by up to {:.2f} m", result.frame,
                    result.recall->earlier_frame, result.map_moved);
@@ -209,7 +226,19 @@ void run_brain(const BrainOptions& options) {
   }
   if (record.results().empty()) throw Error(run.error.empty() ? "the recording has no frames" : run.error);
   brain.finish();
-  if (const std::string doubt = motion.doubt(); !doubt.empty()) {
+  run.lost = motion.lost();
+  std::vector<std::string> doubts = {motion.doubt(), brain.odometry_doubt()};
+  if (run.lost > 0) {
+    doubts.push_back(
+        fmt::format("visual odometry was lost in {} of {} frames, where the last motion was taken to go on",
+                    run.lost, record.results().size()));
+  }
+  if (brain.maps_that_flew_apart() > 0) {
+    doubts.push_back(fmt::format("the map flew apart in {} relaxations, and was left as it was",
+                                 brain.maps_that_flew_apart()));
+  }
+  for (const std::string& doubt : doubts) {
+    if (doubt.empty()) continue;
     log_warning("{}", doubt);
     run.warnings.push_back(doubt);
   }
@@ -218,8 +247,8 @@ void run_brain(const BrainOptions& options) {
   run.peak_rss_mb = usage.peak_rss_mb;
   if (!brain.is_located())
     log_warning("no place of {} was recalled: the way begins where this run did", options.load_map);
-  if (!options.save_map.empty()) slam::brain::write_cognitive_map(options.save_map, brain.stored());
-  print_summary(write_brain_results(options.out, *dataset, brain, record, run), options.out);
+  print_summary(write_brain_results(options.out, *dataset, brain, record, run, options.save_map),
+                options.out);
   if (!run.error.empty()) throw Error(run.error);
 }
 

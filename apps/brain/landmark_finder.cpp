@@ -11,11 +11,19 @@ namespace {
 
 constexpr const char* kInterestWeights = "weights_tools/models/penumbra-interest.safetensors";
 
+const std::filesystem::path& existing(const std::filesystem::path& weights) {
+  if (std::error_code none; std::filesystem::exists(weights, none)) return weights;
+  throw InputError(weights.string(),
+                   fmt::format("weights of the interest network (--weights FILE; those that ship are {})",
+                               kInterestWeights),
+                   "no such file");
+}
+
 }  // namespace
 
 ImageLandmarks::ImageLandmarks(const std::filesystem::path& weights,
                                const slam::brain::RegionSettings& settings)
-    : network_(load_noted_weights(weights, "")), regions_(settings) {
+    : network_(load_noted_weights(existing(weights), "")), regions_(settings) {
   if (network_.classes() != slam::brain::kLandmarkClasses ||
       network_.embedding() != slam::brain::kDescriptorSize) {
     throw InputError(weights.string(),

@@ -202,14 +202,15 @@ nlohmann::json report_data(const std::filesystem::path& folder, std::size_t most
   }
   data["lost"] = lost_rows(data["run"], rows);
   data["loops"] = loop_rows(data["run"], rows);
-  const std::filesystem::path map = folder / "map.ply";
+  // What lies there of another run of the other program is not of this one.
+  const bool is_brain = data["run"].value("system", json()) == "brain";
+  const std::filesystem::path map = is_brain ? std::filesystem::path() : folder / "map.ply";
   data["points"] = points_json(
       std::filesystem::exists(map) ? slam::read_ply(map) : std::vector<slam::PlyVertex>{}, most_points);
-  if (const auto dense = folder / "dense.ply"; std::filesystem::exists(dense))
+  if (const auto dense = folder / "dense.ply"; !is_brain && std::filesystem::exists(dense))
     data["dense"] = dense_json(slam::read_dense_ply(dense), kMostDensePoints);
-  if (const auto cognitive = folder / "cognitive_map.json"; std::filesystem::exists(cognitive))
-    data["cognitive"] = cognitive_json(folder);
-  data["gallery"] = gallery(folder / "gallery");
+  if (is_brain) data["cognitive"] = cognitive_json(folder);
+  data["gallery"] = is_brain ? json::array() : gallery(folder / "gallery");
   return data;
 }
 

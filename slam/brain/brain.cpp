@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -164,6 +163,7 @@ void Brain::see_step(Look& look) {
   const auto scope = timer_.measure("step");
   const std::optional<ProvenPlace> seen = prove(look, last_points_);
   if (!seen) return;
+  odometry_check_.add(look.felt, seen->motion);
   const PlanePose step = keyframe_.inverse() * look.since_anchor;
   const PlanePose off = step.inverse() * seen->motion;
   constexpr double kMostOff = 0.7;  // of a slip: share of the way
@@ -193,12 +193,12 @@ bool Brain::has_moved_on(const Look& look) {
   return settings_.recall && memory_.likeness(anchor_, look.view) < settings_.least_similarity;
 }
 
-void Brain::settle(BrainResult& result) {
+double Brain::settle() {
   const auto scope = timer_.measure("relax");
-  result.map_moved = relax(map_, settings_.relaxation).largest_move;
+  const RelaxationSummary summary = relax(map_, settings_.relaxation);
+  flown_apart_ += summary.flew_apart;
+  return summary.largest_move;
 }
-
-void Brain::finish() { relax(map_, settings_.relaxation); }
 
 void Brain::feel(std::span<const SelfMotion> motions) {
   last_felt_ = felt_;

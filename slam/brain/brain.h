@@ -30,6 +30,7 @@
 #include "slam/brain/brain_settings.h"
 #include "slam/brain/map/map_file.h"
 #include "slam/brain/motion/calibration.h"
+#include "slam/brain/motion/odometry_check.h"
 #include "slam/brain/position/position_model.h"
 #include "slam/frontend/features/sharpness.h"
 #include "slam/pipeline/feature_measurer.h"
@@ -85,10 +86,14 @@ class Brain {
   // world. True where it began with none.
   int loaded_nodes() const { return loaded_nodes_; }
   bool is_located() const { return located_; }
+  // What is probably wrong with the odometry, and whether the relaxation has failed, for people; empty:
+  // nothing.
+  std::string odometry_doubt() const { return odometry_check_.doubt(); }
+  int maps_that_flew_apart() const { return flown_apart_; }
   // The map as it goes to disk.
   StoredMap stored() const;
   // Lets the map settle a last time.
-  void finish();
+  void finish() { settle(); }
   StageTimer& timer() { return timer_; }
 
  private:
@@ -130,7 +135,7 @@ class Brain {
   bool is_linked(int node, int other) const;
   bool has_moved_on(const Look& look);
   void make_node(Look look);
-  void settle(BrainResult& result);
+  double settle();
   void pull_position();
   int left_nodes() const;
 
@@ -155,6 +160,8 @@ class Brain {
   int anchor_ = -1;
   PlanePose since_anchor_, since_keyframe_;
   OdometryCalibration calibration_;
+  OdometryCheck odometry_check_;
+  int flown_apart_ = 0;         // relaxations that were given up
   PlanePose felt_, last_felt_;  // uncorrected, since the last keyframe: to this frame, to the one before
   double seconds_felt_ = 0.0, last_seconds_felt_ = 0.0;
   PlanePose keyframe_;                   // the last one, in the anchor's frame

@@ -191,7 +191,7 @@ void Brain::recall(const Look& look, const Candidate& candidate, BrainResult& re
                   .recalled = true,
                   .metres = std::hypot(of_place, settings_.way_sigma * way),
                   .radians = std::hypot(of_turn, settings_.turn_sigma * turn)});
-    settle(result);
+    result.map_moved = settle();
   }
   anchor_ = candidate.node;
   since_anchor_ = candidate.proven.motion * (look.since_anchor.inverse() * since_anchor_);

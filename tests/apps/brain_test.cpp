@@ -71,10 +71,10 @@ TEST_F(BrainCommand, IsAPageThatShowsItsMap) {
             0);
   const auto report = test::run_penumbra(fmt::format("report '{}'", out("paged")));
   ASSERT_EQ(report.exit_code, 0) << report.err;
-  EXPECT_EQ(
-      test::run_penumbra(fmt::format("eval-loops '{}' --groundtruth '{}/poses/00.txt'", out("paged"), street()))
-          .exit_code,
-      0);
+  EXPECT_EQ(test::run_penumbra(
+                fmt::format("eval-loops '{}' --groundtruth '{}/poses/00.txt'", out("paged"), street()))
+                .exit_code,
+            0);
   const std::string browser = test::find_browser();
   if (browser.empty()) GTEST_SKIP() << test::kNoBrowser;
   const std::string dom = test::dump_dom(browser, "file://" + out("paged") + "/report.html");
@@ -118,6 +118,7 @@ TEST_F(BrainCommand, FindsItsWayInASavedMap) {
   const auto other = test::run_penumbra(
       fmt::format("brain '{}' {} --load-map '{}' --out '{}'", street(), weights(), map, out("other")));
   EXPECT_EQ(other.exit_code, 1);
+  EXPECT_CONTAINS(other.err, "street.brain");
   EXPECT_CONTAINS(other.err, "intensity");
 }
 
@@ -138,6 +139,31 @@ TEST_F(BrainCommand, NamesWhatIsWrongWithOdometry) {
   EXPECT_CONTAINS(error_with_odometry("1 1 0\n0 1 0\n"), "odometry.txt:2");
   EXPECT_CONTAINS(error_with_odometry("1000 1 0\n1001 1 0\n"), "times of the images");
   EXPECT_CONTAINS(error_with_odometry("0 1\n1 1\n"), "2 numbers");
+}
+
+TEST_F(BrainCommand, OdometryOfAnotherUnitIsDoubted) {
+  std::string text;
+  for (int i = 0; i <= 60; ++i) text += fmt::format("{:.3f} 30.0 0.0\n", 0.05 * i - 0.2);  // km/h
+  write_odometry(text);
+  const auto run =
+      test::run_penumbra(fmt::format("brain '{}' --templates intensity --odometry '{}' --out '{}'", street(),
+                                     out("odometry.txt"), out("kmh")));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_CONTAINS(run.err, "metres a second");
+  EXPECT_CONTAINS(error_with_odometry("0 1e300 0\n3 1e300 0\n"), "at most 1000 m/s");
+}
+
+TEST_F(BrainCommand, AMapThatCannotBeWrittenCostsOnlyItself) {
+  const auto folder = test::run_penumbra(fmt::format(
+      "brain '{0}' --templates intensity --save-map '{0}' --out '{1}'", street(), out("nowhere")));
+  EXPECT_EQ(folder.exit_code, 2);
+  EXPECT_CONTAINS(folder.err, "--save-map");
+  const auto full = test::run_penumbra(
+      fmt::format("brain '{}' --templates intensity --noise none --save-map /dev/full --out '{}'", street(),
+                  out("full")));
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_CONTAINS(full.err, "/dev/full");
+  EXPECT_EQ(run_of("full")["frames"], 24);
 }
 
 TEST_F(BrainCommand, GapsInOdometryAreSaid) {

@@ -173,6 +173,7 @@ RelaxationSummary relax(CognitiveMap& map, const RelaxationSettings& settings) {
   }
   if (!all_finite(poses) || !(summary.largest_move < kFlownApart)) {
     summary.settled = false;
+    summary.flew_apart = true;
     summary.largest_move = 0.0;
     return summary;
   }

@@ -6,9 +6,9 @@
 //
 // over its links j forward and k backward, again and again until nothing moves. In the letter two things
 // fail. For a node of d links the step is rho d of the way to where its links want it: beyond twice that way,
-// with d > 3, the map flies apart (moved all at once, and not one after the other as here, it does so already
-// with d = 2). And L is a motion in the plane, so that what a node's own heading got wrong stays: after a
-// turn that was felt wrong no place fits. So there are
+// with d > 3, such neighbours throw each other ever farther and the map flies apart (moved all at once, and
+// not one after the other as here, it does so already with d = 2). And L is a motion in the plane, so that
+// what a node's own heading got wrong stays: after a turn that was felt wrong no place fits. So there are
 //
 //   paper     (21, 22) as printed, headings left alone; sweeps until the largest move is below `settled`
 //             metres, or `sweeps`; a map that flies apart is given back as it was
@@ -46,6 +46,7 @@ struct RelaxationSummary {
   int sweeps = 0;
   double largest_move = 0.0;  // metres, from before the first to after the last
   bool settled = false;
+  bool flew_apart = false;  // and the map was left as it was
 };
 
 // Moves the map's nodes. A map of which a pose would not be finite is left as it was, with `settled` false.

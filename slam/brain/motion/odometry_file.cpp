@@ -11,8 +11,10 @@ namespace penumbra::slam::brain {
 namespace {
 
 constexpr const char* kRecord = "time v omega (seconds, metres a second, radians a second)";
-constexpr double kNanoseconds = 1e14;       // no clock counts so many seconds
-constexpr double kUnlikelyTurnRate = 12.0;  // radians a second: nothing on wheels turns so fast
+constexpr double kNanoseconds = 1e14;  // no clock counts so many seconds
+// Nothing on wheels is so fast, and nothing at all: metres and radians a second.
+constexpr double kUnlikelySpeed = 60.0, kUnlikelyTurnRate = 12.0;
+constexpr double kMostSpeed = 1000.0, kMostTurnRate = 1000.0;
 
 // What lies between `from` and `until` while a sample of `gap` seconds holds: it moves for kLongestGap and
 // stands then.
@@ -39,6 +41,11 @@ std::vector<OdometrySample> read_odometry(const std::filesystem::path& path) {
     if (!samples.empty() && !(time > samples.back().time)) {
       throw InputError(lines.place(), fmt::format("a time after {:.6f} s", samples.back().time),
                        fmt::format("{:.6f} s", time));
+    }
+    if (std::abs(values[1]) > kMostSpeed || std::abs(values[2]) > kMostTurnRate) {
+      throw InputError(lines.place(),
+                       fmt::format("at most {:g} m/s and {:g} rad/s", kMostSpeed, kMostTurnRate),
+                       fmt::format("{:g} and {:g}", values[1], values[2]));
     }
     samples.push_back({time, values[1], values[2]});
   }
@@ -85,16 +92,25 @@ OdometryOfFrames odometry_of_frames(const std::vector<OdometrySample>& samples,
     uncovered += times[i] < samples.front().time || times[i - 1] > samples.back().time;
   }
   if (longest_gap > kLongestGap) {
-    of.notes.push_back(
-        fmt::format("{}: a gap of {:.2f} s; for what is beyond {:g} s the robot is taken to stand still",
-                    place, longest_gap, kLongestGap));
+    of.notes.push_back(fmt::format(
+        "{}: gaps of up to {:.2f} s; for what of one is beyond {:g} s the robot is taken to stand still (are "
+        "the times seconds?)",
+        place, longest_gap, kLongestGap));
   }
   if (uncovered > 0) {
     of.notes.push_back(fmt::format("{}: {} of {} frames are before its first or after its last sample", place,
                                    uncovered, times.size()));
   }
-  double fastest = 0.0;
-  for (const OdometrySample& sample : samples) fastest = std::max(fastest, std::abs(sample.turn_rate));
+  double fastest = 0.0, speed = 0.0;
+  for (const OdometrySample& sample : samples) {
+    fastest = std::max(fastest, std::abs(sample.turn_rate));
+    speed = std::max(speed, std::abs(sample.speed));
+  }
+  if (speed > kUnlikelySpeed) {
+    of.notes.push_back(
+        fmt::format("{}: up to {:.0f} metres a second; are these another unit?", place, speed));
+  }
+  if (speed == 0.0) of.notes.push_back(fmt::format("{}: the speed is 0 in every line", place));
   if (fastest > kUnlikelyTurnRate) {
     of.notes.push_back(
         fmt::format("{}: turns at up to {:.0f} radians a second; are these degrees?", place, fastest));

@@ -21,7 +21,7 @@ struct OdometrySample {
 };
 
 // Throws InputError naming file and line: another number of columns, something not a finite number, a time
-// that does not increase, fewer than two samples.
+// that does not increase, speeds of nothing on earth, fewer than two samples.
 std::vector<OdometrySample> read_odometry(const std::filesystem::path& path);
 
 struct OdometryOfFrames {

@@ -24,6 +24,7 @@ VisualOdometry::VisualOdometry(const StereoCamera& camera, Sensor sensor, int th
 SelfMotion VisualOdometry::next(const StereoImages& images) {
   const FrameResult result = slam_.process(images);
   const TimedPose now{result.timestamp, result.T_wc};
+  lost_ += result.tracking.state == TrackingState::lost;
   SelfMotion motion;
   if (last_) {
     // Two frames of one time still are a step.

@@ -13,6 +13,7 @@ class VisualOdometry {
   VisualOdometry(const StereoCamera& camera, Sensor sensor, int threads, const CameraMount& mount = {});
   // Since the frame before; a frame that is lost goes on as the last ones did.
   SelfMotion next(const StereoImages& images);
+  int lost() const { return lost_; }  // frames
   // Of the way so far, the share that goes up or down: a robot on the ground has a few per cent, a camera in
   // the hand or the air 20 and more, and no place in the plane. 0 without a way.
   double climb_share() const { return way_ > 0.0 ? climbed_ / way_ : 0.0; }
@@ -23,6 +24,7 @@ class VisualOdometry {
   Slam slam_;
   CameraMount mount_;
   std::optional<TimedPose> last_;
+  int lost_ = 0;
   double way_ = 0.0, climbed_ = 0.0, aside_ = 0.0;  // metres
 };
 

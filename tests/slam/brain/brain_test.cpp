@@ -42,7 +42,7 @@ class BrainInARoom : public ::testing::Test {
     const int frames = static_cast<int>(laps * kLap / kStep);
     truth_ = TexturedRoom::truth(begin, kStep, frames);
     const std::vector<SelfMotion> motions = spoiled_odometry(truth_, noise(), 7);
-    record_ = {};
+    record_ = BrainRecorder();
     for (int i = 0; i < frames; ++i) {
       record_.add(brain.process(room_.images(TexturedRoom::pose(begin + kStep * i), i),
                                 std::span(&motions[static_cast<std::size_t>(i)], 1)),

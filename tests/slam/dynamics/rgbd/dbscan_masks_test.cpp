@@ -12,7 +12,7 @@ namespace penumbra::slam {
 namespace {
 
 constexpr int kImageWidth = 320, kImageHeight = 240;
-const Rect kPersonBox{100, 40, 80, 160}, kBody{110, 44, 60, 150};
+const Rect kPersonBox{100, 40, 80, 160}, kPersonBody{110, 44, 60, 150};
 
 // A body 2 m away before a wall 4 m away; a floor that rises from 1.2 m, below the box, runs on beside it.
 FloatImage room() {
@@ -20,7 +20,7 @@ FloatImage room() {
   for (int y = 0; y < kImageHeight; ++y) {
     for (int x = 0; x < kImageWidth; ++x) {
       depth.at(x, y) = y > 200 ? 1.2F : 4.0F;
-      if (kBody.contains(x, y)) depth.at(x, y) = 2.0F + 0.002F * static_cast<float>(x - kBody.x);
+      if (kPersonBody.contains(x, y)) depth.at(x, y) = 2.0F + 0.002F * static_cast<float>(x - kPersonBody.x);
     }
   }
   return depth;
@@ -54,7 +54,7 @@ double share_found(const Instance& found, const FloatImage& depth, bool of_body)
   int inside = 0, all = 0;
   for (int y = found.region.y; y < found.region.y + found.region.height; ++y) {
     for (int x = found.region.x; x < found.region.x + found.region.width; ++x) {
-      if (kBody.contains(x, y) != of_body || !(depth.at(x, y) > 0.0F)) continue;
+      if (kPersonBody.contains(x, y) != of_body || !(depth.at(x, y) > 0.0F)) continue;
       ++all;
       inside += found.contains(x, y);
     }
@@ -67,7 +67,7 @@ TEST(DbscanMasks, TakesThePersonAndLeavesTheWall) {
   const auto features = features_of(depth, 1500);
   // Holes at the body's left edge go with what is next to them.
   for (int y = 60; y < 80; ++y) {
-    for (int x = kBody.x + 5; x < kBody.x + 20; ++x) depth.at(x, y) = 0.0F;
+    for (int x = kPersonBody.x + 5; x < kPersonBody.x + 20; ++x) depth.at(x, y) = 0.0F;
   }
   const ByteImage image = ByteImage::filled(kImageWidth, kImageHeight, 100);
   for (const ForegroundMode mode : {ForegroundMode::adaptive, ForegroundMode::paper}) {
@@ -81,7 +81,7 @@ TEST(DbscanMasks, TakesThePersonAndLeavesTheWall) {
     // The letter splits the body: eps at the knee is a step between neighbouring depths.
     if (mode == ForegroundMode::adaptive) {
       EXPECT_EQ(share_found(found[0], depth, true), 1.0);
-      EXPECT_TRUE(found[0].contains(kBody.x + 10, 70));
+      EXPECT_TRUE(found[0].contains(kPersonBody.x + 10, 70));
     }
   }
 }
