@@ -27,6 +27,12 @@ struct BenchBrainOptions {
   std::filesystem::path weights, out;
 };
 
+// The last part of a path that may end with a slash.
+std::string name_of_folder(const std::filesystem::path& folder) {
+  const std::filesystem::path absolute = std::filesystem::absolute(folder).lexically_normal();
+  return (absolute.has_filename() ? absolute : absolute.parent_path()).filename().string();
+}
+
 std::string table_of(const nlohmann::json& rows) {
   std::string table =
       "| recording | seed | row | ATE m | t_rel % | r_rel deg/100 m | recalls | precision | recall | nodes | "
@@ -65,7 +71,10 @@ void run_bench_brain(const BenchBrainOptions& options) {
   for (const std::string& folder : options.recordings) {
     const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(folder, {});
     for (const std::uint64_t seed : options.seeds) {
-      for (nlohmann::json& row : run_brain_rows(*dataset, rows, noise, seed, finder, dataset->name())) {
+      std::filesystem::path pictures;
+      if (!options.out.empty()) pictures = options.out / fmt::format("{}-{}", name_of_folder(folder), seed);
+      for (nlohmann::json& row :
+           run_brain_rows(*dataset, rows, noise, seed, finder, dataset->name(), pictures)) {
         row["recording"] = dataset->name();
         row["seed"] = seed;
         all.push_back(std::move(row));
@@ -105,7 +114,9 @@ void add_brain_benchmark(CLI::App& bench) {
       "no-sharpness, ours,\n"
       "slam (the geometric one, which takes no odometry), and intensity-geometry: ours with RatSLAM's "
       "templates. Prints\n"
-      "and writes a table (brain.md) and all figures (brain.json).");
+      "and writes a table (brain.md), all figures (brain.json), and for each run of a row but slam the "
+      "pictures of\n"
+      "`penumbra brain` in RECORDING-SEED/ROW.");
   command->callback([options] { run_bench_brain(*options); });
 }
 

@@ -119,6 +119,35 @@ nlohmann::json cognitive_map_json(const slam::brain::CognitiveMap& map,
   return {{"nodes", nodes}, {"links", links}};
 }
 
+void draw_brain_run(ResultWriter& writer, const std::filesystem::path& out,
+                    const slam::StereoDataset& dataset, const slam::brain::CognitiveMap& map,
+                    const slam::brain::BrainRecorder& record, bool in_one_world) {
+  const slam::Trajectory settled = record.trajectory(map);
+  const slam::TrajectoryPair truth = pair_with_ground_truth(dataset, settled);
+  slam::TrajectoryPair then;
+  if (in_one_world) then = pair_with_ground_truth(dataset, record.believed());
+  slam::TrajectoryPlotOptions plot;
+  plot.title = dataset.name();
+  writer.draw([&] {
+    slam::write_plot(out / "trajectory.svg", slam::draw_trajectories(settled, truth.reference, plot));
+  });
+  plot.estimate_name = "as believed at the time";
+  writer.draw([&] {
+    slam::write_plot(out / "believed.svg", slam::draw_trajectories(record.believed(), then.reference, plot));
+  });
+  writer.draw([&] { slam::write_plot(out / "cognitive_map.svg", draw_cognitive_map(map)); });
+  writer.draw([&] { nn::write_image(out / "places.png", draw_place_activity(map, record)); });
+  if (then.reference.size() >= 2) {
+    std::vector<double> times;
+    for (const slam::brain::BrainResult& result : record.results()) {
+      if (result.recall) times.push_back(result.timestamp);
+    }
+    writer.draw([&] { slam::write_plot(out / "error.svg", draw_error_over_time(then, truth, times)); });
+  } else {
+    writer.draw([&] { std::filesystem::remove(out / "error.svg"); });
+  }
+}
+
 nlohmann::json write_brain_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                                    const slam::brain::Brain& brain, const slam::brain::BrainRecorder& record,
                                    const BrainRun& run, const std::filesystem::path& save_map) {
@@ -146,26 +175,7 @@ nlohmann::json write_brain_results(const std::filesystem::path& out, const slam:
     }
   });
   writer.write([&] { nn::write_file(out / "run.json", json.dump(2) + "\n"); });
-  slam::TrajectoryPlotOptions plot;
-  plot.title = run.dataset;
-  writer.draw([&] {
-    slam::write_plot(out / "trajectory.svg", slam::draw_trajectories(settled, truth.reference, plot));
-  });
-  plot.estimate_name = "as believed at the time";
-  writer.draw([&] {
-    slam::write_plot(out / "believed.svg", slam::draw_trajectories(record.believed(), then.reference, plot));
-  });
-  writer.draw([&] { slam::write_plot(out / "cognitive_map.svg", draw_cognitive_map(brain.map())); });
-  writer.draw([&] { nn::write_image(out / "places.png", draw_place_activity(brain.map(), record)); });
-  if (then.reference.size() >= 2) {
-    std::vector<double> times;
-    for (const slam::brain::BrainResult& result : record.results()) {
-      if (result.recall) times.push_back(result.timestamp);
-    }
-    writer.draw([&] { slam::write_plot(out / "error.svg", draw_error_over_time(then, truth, times)); });
-  } else {
-    writer.draw([&] { std::filesystem::remove(out / "error.svg"); });
-  }
+  draw_brain_run(writer, out, dataset, brain.map(), record, brain.loaded_nodes() == 0);
   writer.throw_failures();
   return json;
 }

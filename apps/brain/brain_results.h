@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/common/result_writer.h"
 #include "slam/brain/brain_recorder.h"
 #include "slam/sources/stereo_dataset.h"
 
@@ -25,13 +26,18 @@ struct BrainRun {
 nlohmann::json cognitive_map_json(const slam::brain::CognitiveMap& map,
                                   const slam::brain::TemplateMemory& memory);
 
-// Writes trajectory_kitti.txt, trajectory_tum.txt, cognitive_map.json, frames.json (per frame
-// index, timestamp, ms, keyframe, anchor and recalled, both nodes), ground_truth_tum.txt, run.json, then the
-// pictures trajectory.svg (settled and as believed at the time, against the truth), cognitive_map.svg (nodes,
-// links, recalls), error.svg (distance from the truth over time, where there is one, with the recalls marked)
-// and places.svg (the place cells' activity over time). Returns run.json. `save_map`: also the map for
-// another run; empty: no. What cannot be written costs only
-// itself: of a picture a warning, of all else an Error once everything else is written.
+// Writes the pictures trajectory.svg (by the settled map), believed.svg (as believed at the time), both
+// against the truth, cognitive_map.svg (nodes, links, recalls), error.svg (distance from the truth over time,
+// where there is one, with the recalls marked) and places.png (the place cells' activity over time).
+// `in_one_world`: what was believed is of the map's world from the start on.
+void draw_brain_run(ResultWriter& writer, const std::filesystem::path& out,
+                    const slam::StereoDataset& dataset, const slam::brain::CognitiveMap& map,
+                    const slam::brain::BrainRecorder& record, bool in_one_world);
+
+// Writes trajectory_kitti.txt, trajectory_tum.txt, cognitive_map.json, the map for another run where
+// `save_map` names a file, frames.json (per frame index, timestamp, ms, keyframe, anchor and recalled, both
+// nodes), ground_truth_tum.txt, run.json, then the pictures. Returns run.json. What cannot be written costs
+// only itself: of a picture a warning, of all else an Error once everything else is written.
 nlohmann::json write_brain_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                                    const slam::brain::Brain& brain, const slam::brain::BrainRecorder& record,
                                    const BrainRun& run, const std::filesystem::path& save_map);

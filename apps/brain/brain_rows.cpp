@@ -3,8 +3,10 @@
 #include <memory>
 
 #include "apps/brain/brain_figures.h"
+#include "apps/brain/brain_results.h"
 #include "apps/common/progress_bar.h"
 #include "nn/base/error.h"
+#include "nn/base/file.h"
 #include "nn/base/stopwatch.h"
 #include "slam/brain/brain_recorder.h"
 #include "slam/sources/prefetcher.h"
@@ -43,7 +45,9 @@ class RunningRow {
     }
   }
 
-  nlohmann::json finish(const slam::Trajectory& truth) {
+  // `pictures`: a folder for them, or empty.
+  nlohmann::json finish(const slam::StereoDataset& dataset, const std::filesystem::path& pictures) {
+    const slam::Trajectory& truth = *dataset.ground_truth();
     nlohmann::json figures;
     if (slam_) {
       slam_record_->finish();
@@ -51,6 +55,11 @@ class RunningRow {
     } else {
       brain_->finish();
       figures = brain_figures(truth, *brain_, record_);
+      if (!pictures.empty()) {
+        nn::make_writable_folder(pictures / name_);
+        ResultWriter writer;
+        draw_brain_run(writer, pictures / name_, dataset, brain_->map(), record_, true);
+      }
     }
     figures["name"] = name_;
     figures["stages"] = stages_of(slam_ ? slam_->timer() : brain_->timer());
@@ -120,7 +129,7 @@ std::vector<nlohmann::json> run_brain_rows(const slam::StereoDataset& dataset,
                                            const std::vector<BrainRow>& rows,
                                            const slam::brain::OdometryNoise& noise, std::uint64_t seed,
                                            const slam::brain::LandmarkFinder& finder,
-                                           const std::string& title) {
+                                           const std::string& title, const std::filesystem::path& pictures) {
   const slam::Trajectory& truth = truth_of(dataset);
   const slam::brain::CameraMount mount = slam::brain::CameraMount::of_path(truth);
   const std::vector<slam::brain::SelfMotion> motions =
@@ -140,7 +149,7 @@ std::vector<nlohmann::json> run_brain_rows(const slam::StereoDataset& dataset,
     progress.update(i + 1);
   }
   std::vector<nlohmann::json> figures;
-  for (const std::unique_ptr<RunningRow>& row : running) figures.push_back(row->finish(truth));
+  for (const std::unique_ptr<RunningRow>& row : running) figures.push_back(row->finish(dataset, pictures));
   return figures;
 }
 

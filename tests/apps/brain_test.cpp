@@ -194,6 +194,7 @@ TEST_F(BrainCommand, IsComparedWithRatslamAndSlam) {
   ASSERT_EQ(rows.size(), 6U);
   EXPECT_EQ(rows[0]["name"], "odometry");
   EXPECT_EQ(rows[5]["name"], "slam");
+  EXPECT_TRUE(std::filesystem::exists(out("bench") + "/street-3/ours/error.svg"));
   for (const nlohmann::json& row : rows) {
     EXPECT_EQ(row["precision"], 1.0) << row["name"];  // nothing comes twice, and nothing was recalled
     EXPECT_LT(row["ate_m"], 3.0) << row["name"];
