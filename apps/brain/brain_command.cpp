@@ -37,14 +37,7 @@ void add_brain_command(CLI::App& app) {
   command->get_option("dataset")->required(false);
   command->add_option("--out", options->out, "folder for the results, made where it is missing")
       ->type_name("DIR");
-  command->add_option("--sequence", options->sequence,
-                      "which one, where the folder holds several, such as 00");
-  command->add_option("--images", options->images, "which images to read")
-      ->check(CLI::IsMember({"auto", "grey", "colour"}))
-      ->capture_default_str();
-  command->add_option("--rate", options->frame_rate, "frames a second, where the dataset has no times")
-      ->check(number_above_zero())
-      ->type_name("HZ");
+  add_recording_arguments(*command, options->dataset);
   CLI::Option* odometry =
       command
           ->add_option(

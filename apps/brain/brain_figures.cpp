@@ -4,7 +4,7 @@
 #include <numeric>
 #include <set>
 
-#include "slam/evaluation/evaluation.h"
+#include "apps/view/run_truth.h"
 
 namespace penumbra::apps {
 
@@ -18,9 +18,7 @@ double mean_of(const std::vector<double>& values, std::size_t begin, std::size_t
 }
 
 void add_path(const slam::Trajectory& truth, const slam::Trajectory& found, nlohmann::json& figures) {
-  slam::EvaluationOptions options;
-  if (slam::path_length(truth) < 200.0) options.segment_lengths = {10.0, 20.0, 30.0, 40.0, 50.0};
-  const slam::Evaluation evaluation = slam::evaluate_trajectory(truth, found, options);
+  const slam::Evaluation evaluation = evaluate_run({truth, found}).value();
   figures["ate_m"] = evaluation.ape.rmse;
   figures["rpe_percent"] = evaluation.kitti.overall.translation;
   figures["rpe_deg_per_100m"] = evaluation.kitti.overall.rotation;
@@ -117,7 +115,7 @@ nlohmann::json brain_figures(const slam::Trajectory& truth, const slam::brain::B
                                      [](const slam::brain::BrainResult& r) { return r.blurred; });
   figures["nodes"] = brain.map().size();
   figures["links"] = brain.map().links().size();
-  figures["map_mb"] = static_cast<double>(brain.map().bytes() + brain.memory().bytes()) / 1e6;
+  figures["map_mb"] = static_cast<double>(brain.bytes()) / 1e6;
   return figures;
 }
 

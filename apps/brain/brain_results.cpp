@@ -54,7 +54,7 @@ nlohmann::json run_json(const slam::brain::Brain& brain, const slam::brain::Brai
                          {"links", brain.map().links().size()},
                          {"loaded_nodes", brain.loaded_nodes()},
                          {"located", brain.is_located()},
-                         {"map_mb", static_cast<double>(brain.map().bytes() + brain.memory().bytes()) / 1e6},
+                         {"map_mb", static_cast<double>(brain.bytes()) / 1e6},
                          {"cpu_seconds", run.cpu_seconds},
                          {"peak_rss_mb", run.peak_rss_mb},
                          {"warnings", run.warnings}};
@@ -119,30 +119,39 @@ nlohmann::json cognitive_map_json(const slam::brain::CognitiveMap& map,
   return {{"nodes", nodes}, {"links", links}};
 }
 
-void draw_brain_run(ResultWriter& writer, const std::filesystem::path& out,
-                    const slam::StereoDataset& dataset, const slam::brain::CognitiveMap& map,
-                    const slam::brain::BrainRecorder& record, bool in_one_world) {
-  const slam::Trajectory settled = record.trajectory(map);
-  const slam::TrajectoryPair truth = pair_with_ground_truth(dataset, settled);
-  slam::TrajectoryPair then;
-  if (in_one_world) then = pair_with_ground_truth(dataset, record.believed());
+BrainPaths paths_of(const slam::StereoDataset& dataset, const slam::brain::Brain& brain,
+                    const slam::brain::BrainRecorder& record) {
+  BrainPaths paths;
+  paths.settled = record.trajectory(brain.map());
+  paths.by_the_map = pair_with_ground_truth(dataset, paths.settled);
+  if (brain.loaded_nodes() == 0) paths.at_the_time = pair_with_ground_truth(dataset, record.believed());
+  return paths;
+}
+
+void draw_brain_run(ResultWriter& writer, const std::filesystem::path& out, const std::string& title,
+                    const BrainPaths& paths, const slam::brain::CognitiveMap& map,
+                    const slam::brain::BrainRecorder& record) {
   slam::TrajectoryPlotOptions plot;
-  plot.title = dataset.name();
+  plot.title = title;
   writer.draw([&] {
-    slam::write_plot(out / "trajectory.svg", slam::draw_trajectories(settled, truth.reference, plot));
+    slam::write_plot(out / "trajectory.svg",
+                     slam::draw_trajectories(paths.settled, paths.by_the_map.reference, plot));
   });
   plot.estimate_name = "as believed at the time";
   writer.draw([&] {
-    slam::write_plot(out / "believed.svg", slam::draw_trajectories(record.believed(), then.reference, plot));
+    slam::write_plot(out / "believed.svg",
+                     slam::draw_trajectories(record.believed(), paths.at_the_time.reference, plot));
   });
   writer.draw([&] { slam::write_plot(out / "cognitive_map.svg", draw_cognitive_map(map)); });
   writer.draw([&] { nn::write_image(out / "places.png", draw_place_activity(map, record)); });
-  if (then.reference.size() >= 2) {
+  if (paths.at_the_time.reference.size() >= 2) {
     std::vector<double> times;
     for (const slam::brain::BrainResult& result : record.results()) {
       if (result.recall) times.push_back(result.timestamp);
     }
-    writer.draw([&] { slam::write_plot(out / "error.svg", draw_error_over_time(then, truth, times)); });
+    writer.draw([&] {
+      slam::write_plot(out / "error.svg", draw_error_over_time(paths.at_the_time, paths.by_the_map, times));
+    });
   } else {
     writer.draw([&] { std::filesystem::remove(out / "error.svg"); });
   }
@@ -151,12 +160,11 @@ void draw_brain_run(ResultWriter& writer, const std::filesystem::path& out,
 nlohmann::json write_brain_results(const std::filesystem::path& out, const slam::StereoDataset& dataset,
                                    const slam::brain::Brain& brain, const slam::brain::BrainRecorder& record,
                                    const BrainRun& run, const std::filesystem::path& save_map) {
-  const slam::Trajectory settled = record.trajectory(brain.map());
-  const slam::TrajectoryPair truth = pair_with_ground_truth(dataset, settled);
-  // What was believed before the way into a loaded map was found is of another world.
-  slam::TrajectoryPair then;
-  if (brain.loaded_nodes() == 0) then = pair_with_ground_truth(dataset, record.believed());
-  const nlohmann::json json = run_json(brain, record, run, evaluate_run(truth), evaluate_run(then));
+  const BrainPaths paths = paths_of(dataset, brain, record);
+  const slam::Trajectory& settled = paths.settled;
+  const slam::Trajectory& truth = paths.by_the_map.reference;
+  const nlohmann::json json =
+      run_json(brain, record, run, evaluate_run(paths.by_the_map), evaluate_run(paths.at_the_time));
   ResultWriter writer;
   writer.write([&] { slam::write_kitti_poses(out / "trajectory_kitti.txt", settled); });
   writer.write([&] { slam::write_tum_trajectory(out / "trajectory_tum.txt", settled); });
@@ -168,14 +176,14 @@ nlohmann::json write_brain_results(const std::filesystem::path& out, const slam:
   writer.write([&] { nn::write_file(out / "frames.json", frames_json(record).dump() + "\n"); });
   const auto truth_path = out / "ground_truth_tum.txt";
   writer.write([&] {
-    if (truth.reference.empty()) {
+    if (truth.empty()) {
       std::filesystem::remove(truth_path);  // of an earlier run
     } else {
-      slam::write_tum_trajectory(truth_path, truth.reference);
+      slam::write_tum_trajectory(truth_path, truth);
     }
   });
   writer.write([&] { nn::write_file(out / "run.json", json.dump(2) + "\n"); });
-  draw_brain_run(writer, out, dataset, brain.map(), record, brain.loaded_nodes() == 0);
+  draw_brain_run(writer, out, run.dataset, paths, brain.map(), record);
   writer.throw_failures();
   return json;
 }

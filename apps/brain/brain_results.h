@@ -8,6 +8,7 @@
 
 #include "apps/common/result_writer.h"
 #include "slam/brain/brain_recorder.h"
+#include "slam/geometry/association.h"
 #include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::apps {
@@ -26,13 +27,22 @@ struct BrainRun {
 nlohmann::json cognitive_map_json(const slam::brain::CognitiveMap& map,
                                   const slam::brain::TemplateMemory& memory);
 
+// A run's paths, paired with the truth that its recording has.
+struct BrainPaths {
+  slam::Trajectory settled;  // by the settled map
+  // Empty where there is no truth; at_the_time also where what was believed before the way into a loaded map
+  // was found is of another world.
+  slam::TrajectoryPair by_the_map, at_the_time;
+};
+BrainPaths paths_of(const slam::StereoDataset& dataset, const slam::brain::Brain& brain,
+                    const slam::brain::BrainRecorder& record);
+
 // Writes the pictures trajectory.svg (by the settled map), believed.svg (as believed at the time), both
 // against the truth, cognitive_map.svg (nodes, links, recalls), error.svg (distance from the truth over time,
 // where there is one, with the recalls marked) and places.png (the place cells' activity over time).
-// `in_one_world`: what was believed is of the map's world from the start on.
-void draw_brain_run(ResultWriter& writer, const std::filesystem::path& out,
-                    const slam::StereoDataset& dataset, const slam::brain::CognitiveMap& map,
-                    const slam::brain::BrainRecorder& record, bool in_one_world);
+void draw_brain_run(ResultWriter& writer, const std::filesystem::path& out, const std::string& title,
+                    const BrainPaths& paths, const slam::brain::CognitiveMap& map,
+                    const slam::brain::BrainRecorder& record);
 
 // Writes trajectory_kitti.txt, trajectory_tum.txt, cognitive_map.json, the map for another run where
 // `save_map` names a file, frames.json (per frame index, timestamp, ms, keyframe, anchor and recalled, both

@@ -58,7 +58,8 @@ class RunningRow {
       if (!pictures.empty()) {
         nn::make_writable_folder(pictures / name_);
         ResultWriter writer;
-        draw_brain_run(writer, pictures / name_, dataset, brain_->map(), record_, true);
+        draw_brain_run(writer, pictures / name_, dataset.name(), paths_of(dataset, *brain_, record_),
+                       brain_->map(), record_);
       }
     }
     figures["name"] = name_;

@@ -15,10 +15,10 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/stopwatch.h"
+#include "slam/brain/loaded_map.h"
 #include "slam/brain/motion/odometry_file.h"
 #include "slam/brain/motion/odometry_noise.h"
 #include "slam/brain/motion/visual_odometry.h"
-#include "slam/map/map_file.h"
 #include "slam/sources/open_dataset.h"
 #include "slam/sources/prefetcher.h"
 
@@ -146,13 +146,9 @@ void print_summary(const nlohmann::json& run, const std::filesystem::path& out) 
 
 void run_brain(const BrainOptions& options) {
   slam::brain::BrainSettings settings = settings_of(options);
-  slam::DatasetOptions from = dataset_options(options.dataset);
-  from.sequence = options.sequence;
-  from.frame_rate = options.frame_rate;
-  if (options.images == "grey") from.cameras = slam::DatasetCameras::grey;
-  if (options.images == "colour") from.cameras = slam::DatasetCameras::colour;
   BrainRun run;
-  const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
+  const std::unique_ptr<slam::StereoDataset> dataset =
+      slam::open_dataset(options.dataset.folder, dataset_options(options.dataset));
   run.dataset = dataset->name();
   run.warnings = dataset->notes();
   settings.mount = mount_of(options, *dataset);
@@ -162,12 +158,7 @@ void run_brain(const BrainOptions& options) {
   std::optional<slam::brain::StoredMap> loaded;
   if (!options.load_map.empty()) {
     loaded = slam::brain::read_cognitive_map(options.load_map);
-    slam::require_same_camera(loaded->camera, dataset->camera(), options.load_map);
-    if (loaded->templates != settings.templates) {
-      throw InputError(options.load_map,
-                       fmt::format("templates of {} (--templates)", to_string(settings.templates)),
-                       to_string(loaded->templates));
-    }
+    slam::brain::require_fitting(*loaded, dataset->camera(), settings, options.load_map);
   }
   nn::make_writable_folder(options.out);
   if (!options.save_map.empty()) {

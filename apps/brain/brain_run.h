@@ -14,9 +14,8 @@ namespace penumbra::apps {
 struct BrainOptions {
   DatasetArguments dataset;
   std::filesystem::path weights;
-  std::string out, sequence, odometry, noise, save_map, load_map;
-  std::string images = "auto", templates = "landmarks", relaxation = "settled", interest = "on", sight = "on";
-  std::optional<double> frame_rate;
+  std::string out, odometry, noise, save_map, load_map;
+  std::string templates = "landmarks", relaxation = "settled", interest = "on", sight = "on";
   std::optional<double> camera_yaw, camera_pitch;  // degrees; with noise: by default what the true path says
   double least_sharpness = slam::brain::BrainSettings{}.least_sharpness;
   int seed = 1;

@@ -8,6 +8,7 @@
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
 #include "apps/common/progress_bar.h"
+#include "nn/base/file.h"
 #include "nn/image/image_file.h"
 #include "slam/brain/position/grid_file.h"
 #include "slam/brain/position/grid_training.h"
@@ -70,7 +71,7 @@ void survey(const TrainGridOptions& options, const GridTrainingSettings& setting
 
 void run_train_grid(const TrainGridOptions& options) {
   const GridTrainingSettings settings = settings_of(options);
-  if (options.out.has_parent_path()) std::filesystem::create_directories(options.out.parent_path());
+  if (options.out.has_parent_path()) nn::make_writable_folder(options.out.parent_path());
   slam::brain::write_grid_code(options.out, slam::brain::train_grid_code(settings),
                                {{"room", options.room},
                                 {"rule", options.rule},

@@ -1,5 +1,6 @@
 #include "apps/common/dataset_arguments.h"
 
+#include "apps/common/finite_number.h"
 #include "slam/sources/frame_range.h"
 
 namespace penumbra::apps {
@@ -19,12 +20,27 @@ void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const
       ->check(CLI::Range(8, 16));
 }
 
+void add_recording_arguments(CLI::App& command, DatasetArguments& arguments) {
+  command.add_option("--images", arguments.images, "which images to read")
+      ->check(CLI::IsMember({"auto", "grey", "colour"}))
+      ->capture_default_str();
+  command.add_option("--rate", arguments.frame_rate, "frames a second, where the dataset has no times")
+      ->check(number_above_zero())
+      ->type_name("HZ");
+  command.add_option("--sequence", arguments.sequence,
+                     "which one, where the folder holds several, such as 00");
+}
+
 slam::DatasetOptions dataset_options(const DatasetArguments& arguments) {
   slam::DatasetOptions options;
   options.format = slam::parse_dataset_format(arguments.format);
   if (!arguments.frames.empty()) options.frames = slam::parse_frame_range(arguments.frames);
   options.step = arguments.step;
   options.image_bits = arguments.image_bits;
+  options.sequence = arguments.sequence;
+  if (arguments.images == "grey") options.cameras = slam::DatasetCameras::grey;
+  if (arguments.images == "colour") options.cameras = slam::DatasetCameras::colour;
+  options.frame_rate = arguments.frame_rate;
   return options;
 }
 

@@ -52,14 +52,7 @@ void add_slam_command(CLI::App& app) {
   command->footer(kSlamExamples);
   add_dataset_arguments(*command, options->dataset, "folder of the sequence");
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
-  command->add_option("--images", options->images, "which images to read")
-      ->check(CLI::IsMember({"auto", "grey", "colour"}))
-      ->capture_default_str();
-  command->add_option("--rate", options->frame_rate, "frames a second, where the dataset has no times")
-      ->check(number_above_zero())
-      ->type_name("HZ");
-  command->add_option("--sequence", options->sequence,
-                      "which one, where the folder holds several, such as 00");
+  add_recording_arguments(*command, options->dataset);
   command
       ->add_option(
           "--weights", options->weights,

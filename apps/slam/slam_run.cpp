@@ -40,11 +40,6 @@ std::optional<LoadedNetwork> find_network(const SlamOptions& options,
   return load_network(options.weights, options.classes, slam_network_config(), options.key);
 }
 
-slam::DatasetCameras parse_cameras(const std::string& images) {
-  if (images == "grey") return slam::DatasetCameras::grey;
-  return images == "colour" ? slam::DatasetCameras::colour : slam::DatasetCameras::automatic;
-}
-
 // The port of --view; none: the first that is free.
 std::optional<int> view_port(const std::string& text) {
   if (text.empty() || text == kAnyViewPort) return std::nullopt;
@@ -229,13 +224,10 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
 void run_slam(const SlamOptions& options) {
   const std::optional<int> port = view_port(options.view);
   slam::SlamSettings settings = make_settings(options);
-  slam::DatasetOptions from = dataset_options(options.dataset);
-  from.sequence = options.sequence;
-  from.cameras = parse_cameras(options.images);
-  from.frame_rate = options.frame_rate;
 
   SlamRun run;
-  const std::unique_ptr<slam::StereoDataset> dataset = slam::open_dataset(options.dataset.folder, from);
+  const std::unique_ptr<slam::StereoDataset> dataset =
+      slam::open_dataset(options.dataset.folder, dataset_options(options.dataset));
   if (options.dense && dataset->sensor() != slam::Sensor::rgbd) {
     throw UsageError(fmt::format("--dense needs images with depth, and {} has none", dataset->name()));
   }

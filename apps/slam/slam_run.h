@@ -20,14 +20,13 @@ struct SlamOptions {
   DatasetArguments dataset;
   std::string settings;         // file of settings; empty: none
   std::set<std::string> given;  // options that the command line has, such as "--filter"
-  std::string out, sequence, weights, key, classes, masks, save_map, load_map;
-  std::string images = "auto", filter = "adaptive", loops = "on", constellation = "on",
-              self_calibration = "on";
+  std::string out, weights, key, classes, masks, save_map, load_map;
+  std::string filter = "adaptive", loops = "on", constellation = "on", self_calibration = "on";
   std::string segmentation = "keyframes", dynamics = "masks", moving = "geometry", movers = "on";
   std::string repair = "modes", clusters = "grown", consistency = "on";  // of --dynamics depth-clusters
   std::string foreground = "adaptive", static_points = "off";            // of --dynamics static-points
   std::string view;                                                      // port, or kAnyViewPort; empty: none
-  std::optional<double> frame_rate, least_score;
+  std::optional<double> least_score;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false, dense = false;
   int features = 0, threads = omp_get_max_threads(), segmentation_threads = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <span>
 #include <string>
@@ -64,6 +65,22 @@ class ByteReader {
                        fmt::format("{}", count));
     }
     return count;
+  }
+
+  double get_finite(std::string_view what) {
+    const double value = get<double>(what);
+    if (!std::isfinite(value)) refuse(fmt::format("a finite {}", what), fmt::format("{}", value));
+    return value;
+  }
+  // Throws InputError about what was just read.
+  [[noreturn]] void refuse(std::string_view expected, std::string_view found) const {
+    throw InputError(fmt::format("before {}", here()), expected, found);
+  }
+
+  // Throws InputError unless all of `what` was read.
+  void expect_end(std::string_view what) const {
+    if (remaining() > 0)
+      throw InputError(here(), fmt::format("the end of {}", what), fmt::format("{} more bytes", remaining()));
   }
 
   std::size_t remaining() const { return bytes_.size() - position_; }

@@ -10,7 +10,9 @@
 // mixing function "lowbias32" by Chris Wellons, public domain.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 
 namespace penumbra {
 
@@ -25,6 +27,12 @@ inline std::uint64_t counter_random(std::uint64_t seed, std::uint64_t counter) {
 // Uniform in [0, 1), on a grid of 2^-53: exact in every step, hence equal on every machine.
 inline double counter_uniform(std::uint64_t seed, std::uint64_t counter) {
   return static_cast<double>(counter_random(seed, counter) >> 11) * 0x1.0p-53;
+}
+
+// A standard normal number of two uniform ones in [0, 1): Box, Muller, A note on the generation of random
+// normal deviates (1958).
+inline double normal_of(double u, double v) {
+  return std::sqrt(-2.0 * std::log(1.0 - u)) * std::cos(2.0 * std::numbers::pi * v);
 }
 
 // Uniform in [-1, 1), a multiple of 2^-23: the same f32 in every language.

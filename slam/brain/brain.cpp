@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "nn/base/error.h"
 #include "nn/image/grey.h"
+#include "slam/brain/loaded_map.h"
 
 namespace penumbra::slam::brain {
 
@@ -44,20 +44,7 @@ Brain::Brain(const StereoCamera& camera, Sensor sensor, const BrainSettings& set
   if (settings.templates == TemplateKind::landmarks && settings.recall && !finder_)
     throw UsageError("templates of landmarks need a network that finds them");
   if (loaded == nullptr) return;
-  if (loaded->templates != settings.templates) {
-    throw InputError("cognitive map", fmt::format("templates of {}", to_string(settings.templates)),
-                     to_string(loaded->templates));
-  }
-  constexpr double kSameTurn = 0.05;  // radians
-  const auto turn = [](double yaw, double pitch) {
-    return fmt::format("a camera turned by {:.0f} degrees to the left and {:.0f} down",
-                       yaw * 180.0 / std::numbers::pi, pitch * 180.0 / std::numbers::pi);
-  };
-  if (std::abs(wrapped_angle(loaded->camera_yaw - settings.mount.yaw())) > kSameTurn ||
-      std::abs(loaded->camera_pitch - settings.mount.pitch()) > kSameTurn) {
-    throw InputError("cognitive map", turn(settings.mount.yaw(), settings.mount.pitch()),
-                     turn(loaded->camera_yaw, loaded->camera_pitch));
-  }
+  require_fitting(*loaded, camera, settings, "cognitive map");
   map_ = loaded->map;
   for (const Template& view : loaded->views) memory_.add(view);
   loaded_nodes_ = map_.size();

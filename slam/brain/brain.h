@@ -69,7 +69,7 @@ class Brain {
  public:
   // `loaded`: the map of an earlier run, to find the way in and to go on with; poses are then in its world
   // once a place of it was recalled. Throws UsageError for settings that make no sense, InputError for a map
-  // with other templates.
+  // that does not fit (loaded_map.h).
   Brain(const StereoCamera& camera, Sensor sensor, const BrainSettings& settings, LandmarkFinder finder,
         const StoredMap* loaded = nullptr);
 
@@ -90,6 +90,8 @@ class Brain {
   // nothing.
   std::string odometry_doubt() const { return odometry_check_.doubt(); }
   int maps_that_flew_apart() const { return flown_apart_; }
+  // Approximately, of map and templates.
+  std::size_t bytes() const { return map_.bytes() + memory_.bytes(); }
   // The map as it goes to disk.
   StoredMap stored() const;
   // Lets the map settle a last time.

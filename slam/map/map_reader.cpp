@@ -5,7 +5,7 @@
 
 #include "nn/base/byte_stream.h"
 #include "nn/base/checksummed_file.h"
-#include "nn/image/image_container.h"
+#include "slam/geometry/stored_camera.h"
 #include "slam/map/map_file.h"
 
 namespace penumbra::slam {
@@ -23,43 +23,17 @@ constexpr std::size_t kPointBytes = 24 + 8 + 3 + 4 + 4;             // without p
 constexpr std::size_t kObservationBytes = 4 + 4 + 1;
 constexpr int kMostSubmaps = 1 << 30, kMostObjects = 1 << 30;
 
-[[noreturn]] void throw_invalid(const ByteReader& in, std::string_view expected, std::string_view found) {
-  throw InputError(fmt::format("before {}", in.here()), expected, found);
-}
-
-double get_finite(ByteReader& in, std::string_view what) {
-  const double value = in.get<double>(what);
-  if (!std::isfinite(value)) throw_invalid(in, fmt::format("a finite {}", what), fmt::format("{}", value));
-  return value;
-}
-
-StereoCamera get_camera(ByteReader& in) {
-  StereoCamera c;
-  for (double* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.baseline, &c.disparity_offset})
-    *value = get_finite(in, "camera parameter");
-  c.width = in.get<std::int32_t>("image width");
-  c.height = in.get<std::int32_t>("image height");
-  if (!(c.fx > 0.0 && c.fy > 0.0 && c.baseline > 0.0 && c.width > 0 && c.height > 0 &&
-        std::abs(c.disparity_offset) < c.width &&
-        static_cast<std::int64_t>(c.width) * c.height <= nn::kMaxImagePixels)) {
-    throw_invalid(in, "focal lengths, baseline and image size above zero, and an image that can be",
-                  fmt::format("fx {} fy {} baseline {} disparity offset {} size {}x{}", c.fx, c.fy,
-                              c.baseline, c.disparity_offset, c.width, c.height));
-  }
-  return c;
-}
-
 std::vector<double> get_scales(ByteReader& in) {
   const std::uint32_t levels = in.get_count(sizeof(double), "pyramid levels");
   if (levels == 0 || levels > kMostLevels) {
-    throw_invalid(in, fmt::format("1 to {} pyramid levels", kMostLevels), fmt::format("{}", levels));
+    in.refuse(fmt::format("1 to {} pyramid levels", kMostLevels), fmt::format("{}", levels));
   }
   std::vector<double> scales;
   for (std::uint32_t l = 0; l < levels; ++l) {
-    scales.push_back(get_finite(in, "scale"));
+    scales.push_back(in.get_finite("scale"));
     const double before = l == 0 ? 1.0 : scales[l - 1];
     if (l == 0 ? scales[0] != 1.0 : !(scales[l] > before)) {
-      throw_invalid(in, "scales that begin with 1 and grow", fmt::format("{}", scales[l]));
+      in.refuse("scales that begin with 1 and grow", fmt::format("{}", scales[l]));
     }
   }
   return scales;
@@ -68,12 +42,12 @@ std::vector<double> get_scales(ByteReader& in) {
 SE3 get_pose(ByteReader& in) {
   SE3 T;
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) T.rotation(row, column) = get_finite(in, "rotation");
+    for (int column = 0; column < 3; ++column) T.rotation(row, column) = in.get_finite("rotation");
   }
-  for (int row = 0; row < 3; ++row) T.translation[row] = get_finite(in, "translation");
+  for (int row = 0; row < 3; ++row) T.translation[row] = in.get_finite("translation");
   const double skewness = (T.rotation * T.rotation.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(skewness < 1e-6) || T.rotation.determinant() < 0.0) {
-    throw_invalid(in, "a rotation matrix", fmt::format("one that is off by {}", skewness));
+    in.refuse("a rotation matrix", fmt::format("one that is off by {}", skewness));
   }
   return T;
 }
@@ -90,9 +64,8 @@ void check_features(const ByteReader& in, const FrameFeatures& f, const std::vec
                       std::isfinite(f.depth[at]) && stereo == (f.depth[at] > 0.0F) && movable[at] >= 0 &&
                       movable[at] <= 1;
     if (!good) {
-      throw_invalid(
-          in, "features inside the image and the pyramid",
-          fmt::format("feature {} at ({}, {}), level {}, depth {}", i, k.u, k.v, k.level, f.depth[at]));
+      in.refuse("features inside the image and the pyramid",
+                fmt::format("feature {} at ({}, {}), level {}, depth {}", i, k.u, k.v, k.level, f.depth[at]));
     }
   }
 }
@@ -102,7 +75,7 @@ SeenObject get_object(ByteReader& in) {
   object.number = in.get<std::int32_t>("number of an object");
   const std::vector<char> name = in.get_array<char>(in.get_count(1, "class name"), "class name");
   object.class_name.assign(name.begin(), name.end());
-  for (int i = 0; i < 3; ++i) object.position[i] = get_finite(in, "position of an object");
+  for (int i = 0; i < 3; ++i) object.position[i] = in.get_finite("position of an object");
   Rect& r = object.region;
   for (int* value : {&r.x, &r.y, &r.width, &r.height}) *value = in.get<std::int32_t>("region of an object");
   const char stands = in.get<char>("mark of what stands");
@@ -110,9 +83,9 @@ SeenObject get_object(ByteReader& in) {
   const bool is_region = std::abs(std::int64_t{r.x}) < kFarthest && std::abs(std::int64_t{r.y}) < kFarthest &&
                          r.width >= 0 && r.width < kFarthest && r.height >= 0 && r.height < kFarthest;
   if (object.number < 0 || object.number >= kMostObjects || !is_region || stands < 0 || stands > 1) {
-    throw_invalid(in, "an object with a number and a region of the image",
-                  fmt::format("number {}, region {}x{} at ({}, {}), mark {}", object.number, r.width,
-                              r.height, r.x, r.y, static_cast<int>(stands)));
+    in.refuse("an object with a number and a region of the image",
+              fmt::format("number {}, region {}x{} at ({}, {}), mark {}", object.number, r.width, r.height,
+                          r.x, r.y, static_cast<int>(stands)));
   }
   object.stands = stands != 0;
   return object;
@@ -120,11 +93,10 @@ SeenObject get_object(ByteReader& in) {
 
 void get_keyframe(ByteReader& in, Map& map) {
   const int frame_index = in.get<std::int32_t>("frame number");
-  const double timestamp = get_finite(in, "timestamp");
+  const double timestamp = in.get_finite("timestamp");
   const SE3 T_cw = get_pose(in);
   const int submap = in.get<std::int32_t>("sub-map");
-  if (submap < 0 || submap >= kMostSubmaps)
-    throw_invalid(in, "the number of a sub-map", fmt::format("{}", submap));
+  if (submap < 0 || submap >= kMostSubmaps) in.refuse("the number of a sub-map", fmt::format("{}", submap));
   const std::uint32_t count = in.get_count(kFeatureBytes, "features");
   auto f = std::make_shared<FrameFeatures>();
   f->left.keypoints = in.get_array<Keypoint>(count, "keypoints");
@@ -146,28 +118,28 @@ void get_keyframe(ByteReader& in, Map& map) {
 void get_patch(ByteReader& in, int levels, MapPoint& point) {
   const int level = in.get<std::int32_t>("patch level");
   if (level == -1) return;
-  point.patch_depth = get_finite(in, "depth of a patch");
+  point.patch_depth = in.get_finite("depth of a patch");
   for (int i = 0; i < 2; ++i) point.patch.offset[i] = in.get<float>("patch offset");
   point.patch.pixels = in.get<decltype(Patch::pixels)>("patch");
   point.patch.level = level;
   if (level < 0 || level >= levels || !(point.patch_depth > 0.0) || !(point.patch.offset.norm() < 1e3F)) {
-    throw_invalid(in, "a patch of a point before the camera",
-                  fmt::format("level {}, depth {}", level, point.patch_depth));
+    in.refuse("a patch of a point before the camera",
+              fmt::format("level {}, depth {}", level, point.patch_depth));
   }
 }
 
 void get_point(ByteReader& in, Map& map) {
   Eigen::Vector3d position;
-  for (int i = 0; i < 3; ++i) position[i] = get_finite(in, "position");
+  for (int i = 0; i < 3; ++i) position[i] = in.get_finite("position");
   const int visible = in.get<std::int32_t>("count"), found = in.get<std::int32_t>("count");
   const Colour colour = in.get<Colour>("colour");
   if (visible < 1 || found < 0) {
-    throw_invalid(in, "counts of frames that saw a point", fmt::format("{} and {}", visible, found));
+    in.refuse("counts of frames that saw a point", fmt::format("{} and {}", visible, found));
   }
   MapPoint head;
   get_patch(in, static_cast<int>(map.scales().size()), head);
   const std::uint32_t count = in.get_count(kObservationBytes, "observations");
-  if (count == 0) throw_invalid(in, "a point that a keyframe sees", "none");
+  if (count == 0) in.refuse("a point that a keyframe sees", "none");
   MapPoint* point = nullptr;
   std::int64_t last = -1;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -176,8 +148,7 @@ void get_point(ByteReader& in, Map& map) {
     const auto& keyframes = map.keyframes();
     if (k >= keyframes.size() || k <= last || feature >= keyframes[k]->points.size() ||
         keyframes[k]->points[feature] != nullptr || aligned < 0 || aligned > 1) {
-      throw_invalid(in, "the free feature of a later keyframe",
-                    fmt::format("feature {} of keyframe {}", feature, k));
+      in.refuse("the free feature of a later keyframe", fmt::format("feature {} of keyframe {}", feature, k));
     }
     last = k;
     if (point == nullptr) {
@@ -223,9 +194,7 @@ std::unique_ptr<Map> read_map(const std::filesystem::path& path) {
   for (std::uint32_t k = 0; k < keyframes; ++k) get_keyframe(in, *map);
   const std::uint32_t points = in.get_count(kPointBytes, "points");
   for (std::uint32_t p = 0; p < points; ++p) get_point(in, *map);
-  if (in.remaining() > 0) {
-    throw InputError(in.here(), "the end of the map", fmt::format("{} more bytes", in.remaining()));
-  }
+  in.expect_end("the map");
   for (KeyFrame* keyframe : map->keyframes()) map->update_covisibility(keyframe);
   return map;
 }

@@ -1,18 +1,13 @@
 #include <algorithm>
 #include <shared_mutex>
 
-#include "nn/base/byte_stream.h"
 #include "nn/base/checksummed_file.h"
+#include "slam/geometry/stored_camera.h"
 #include "slam/map/map_file.h"
 
 namespace penumbra::slam {
 
 namespace {
-
-void put_camera(ByteWriter& out, const StereoCamera& c) {
-  for (const double value : {c.fx, c.fy, c.cx, c.cy, c.baseline, c.disparity_offset}) out.put(value);
-  for (const std::int32_t value : {c.width, c.height}) out.put(value);
-}
 
 void put_pose(ByteWriter& out, const SE3& T) {
   for (int row = 0; row < 3; ++row) {

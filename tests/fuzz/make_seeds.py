@@ -262,6 +262,10 @@ def coco_result_files():
     yield "bad_object", b"{}"
 
 
+def checksummed_file(magic, version, body):
+    return magic + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
+
+
 def map_files():
     def camera(offset=0.1):
         return struct.pack("<6d2i", 718.0, 718.0, 607.0, 185.0, 0.54, offset, 1241, 376)
@@ -287,7 +291,7 @@ def map_files():
     def file(keyframes, points, version=3, levels=levels, camera=camera()):
         body = camera + levels + struct.pack("<I", len(keyframes)) + b"".join(keyframes)
         body += struct.pack("<I", len(points)) + b"".join(points)
-        return b"PENUMAP\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
+        return checksummed_file(b"PENUMAP\n", version, body)
 
     two = [keyframe(0), keyframe(5)]
     yield "valid_two", file(two, [point((0, 0), (1, 0))])
@@ -378,7 +382,7 @@ def cognitive_map_files():
     def file(nodes, links, kind=0, version=1, camera=camera(), scene=12.0, tail=b"", yaw=0.0):
         body = camera + struct.pack("<2dId", yaw, 0.1, kind, scene) + struct.pack("<I", len(nodes)) + b"".join(nodes)
         body += struct.pack("<I", len(links)) + b"".join(links) + tail
-        return b"PENUCOG\n" + struct.pack("<IIQ", version, zlib.crc32(body), len(body)) + body
+        return checksummed_file(b"PENUCOG\n", version, body)
 
     profile = struct.pack("<600f", *[0.01 * i for i in range(600)])
     two = [node(seen(landmark()), points=[point()]), node(seen(), x=1.0)]

@@ -82,3 +82,41 @@ class Loop:
         print(f"{self.step}/{self.options.steps}, {left / 60:.1f} min left, "
               + ", ".join(f"{n.removeprefix('loss_')} {v:.{self.digits - 1}f}" for n, v in losses.items()),
               file=sys.stderr, flush=True)
+
+
+class MeanLoop(Loop):
+    """A training of one model, of which the mean over the last steps' weights is kept and exported. It sets self.model,
+    and self.optimizer before resume(), and has export()."""
+
+    def follow(self, model):
+        """Begins with `model`."""
+        self.model = model.to(memory_format=torch.channels_last).train()
+        self.mean = {name: value.clone() for name, value in self.model.state_dict().items()}
+
+    def kept(self):
+        return dict(model=self.model, optimizer=self.optimizer)
+
+    def noted(self):
+        return dict(mean=self.mean)
+
+    def resume(self):
+        saved = super().resume()
+        if saved:
+            self.mean = saved["mean"]
+        return saved
+
+    def save(self):
+        super().save()
+        self.export()
+
+    def descend(self, parts, largest_gradient):
+        """One step down the sum of the losses, and of the mean towards where it leads."""
+        self.optimizer.zero_grad(set_to_none=True)
+        sum(parts.values()).backward()
+        torch.nn.utils.clip_grad_norm_(self.model.parameters(), largest_gradient)
+        self.optimizer.step()
+        self.step += 1
+        keep = 1 - 1 / min(1 + self.step / 4, self.options.mean_over)  # early weights are soon forgotten
+        for name, value in self.model.state_dict().items():
+            if value.is_floating_point():
+                self.mean[name].mul_(keep).add_(value, alpha=1 - keep)

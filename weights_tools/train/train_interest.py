@@ -103,33 +103,20 @@ def losses_of(outputs, classes, things, generator):
     return parts, {"found": float(found), "right": float(right)}
 
 
-class Training(loop.Loop):
+class Training(loop.MeanLoop):
     def __init__(self, options):
         super().__init__(options, digits=4)
         self.samples = Samples(options.data, options.groups, options.frames, options.room_share, options.seed)
         torch.manual_seed(options.seed)
-        self.model = InterestNetwork(attention=options.attention)
+        model = InterestNetwork(attention=options.attention)
         if options.init:
-            self.model.load_state_dict(safetensors_file.load(options.init)[0], strict=False)
-        self.model.to(memory_format=torch.channels_last).train()
-        self.mean = {name: value.clone() for name, value in self.model.state_dict().items()}
+            model.load_state_dict(safetensors_file.load(options.init)[0], strict=False)
+        self.follow(model)
         parameters = list(self.model.parameters())
         self.optimizer = torch.optim.AdamW(
             [dict(params=[p for p in parameters if p.dim() > 1], weight_decay=options.weight_decay),
              dict(params=[p for p in parameters if p.dim() <= 1], weight_decay=0.0)], lr=options.learning_rate)
-        saved = self.resume()
-        if saved:
-            self.mean = saved["mean"]
-
-    def kept(self):
-        return dict(model=self.model, optimizer=self.optimizer)
-
-    def noted(self):
-        return dict(mean=self.mean)
-
-    def save(self):
-        super().save()
-        self.export()
+        self.resume()
 
     def one_step(self):
         images, classes, things = self.samples[self.step]
@@ -137,15 +124,7 @@ class Training(loop.Loop):
             group["lr"] = loop.learning_rate(self.step, self.options.steps, self.options.learning_rate)
         generator = torch.Generator().manual_seed(self.options.seed * 1_000_003 + self.step)
         parts, facts = losses_of(self.model(images.contiguous(memory_format=torch.channels_last)), classes, things, generator)
-        self.optimizer.zero_grad(set_to_none=True)
-        sum(parts.values()).backward()
-        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 5.0)
-        self.optimizer.step()
-        self.step += 1
-        keep = 1 - 1 / min(1 + self.step / 4, self.options.mean_over)  # early weights are soon forgotten
-        for name, value in self.model.state_dict().items():
-            if value.is_floating_point():
-                self.mean[name].mul_(keep).add_(value, alpha=1 - keep)
+        self.descend(parts, 5.0)
         if self.model.attention is not None:
             facts["gamma"] = float(self.model.attention.gamma.detach())
         return {**{name: float(value) for name, value in parts.items()}, **facts}

@@ -125,7 +125,7 @@ def is_gate(name):
     return ".attention." in name or name.startswith("asff.") and ".weight." in name
 
 
-class Training(loop.Loop):
+class Training(loop.MeanLoop):
     def __init__(self, options):
         super().__init__(options, digits=5)
         self.classes = options.classes.split(",")
@@ -133,45 +133,24 @@ class Training(loop.Loop):
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
         self.samples = Samples(data, options.batch, options.first_part * options.steps, options.seed)
         torch.manual_seed(options.seed)
-        self.model = build(len(self.classes), options.attention, options.fusion)
+        model = build(len(self.classes), options.attention, options.fusion)
         if options.init:
-            start(self.model, safetensors_file.load(options.init)[0])
-        self.model.to(memory_format=torch.channels_last).train()
-        self.mean = {name: value.clone() for name, value in self.model.state_dict().items()}
+            start(model, safetensors_file.load(options.init)[0])
+        self.follow(model)
         groups = collections.defaultdict(list)
         for name, parameter in self.model.named_parameters():
             groups[parameter.dim() > 1, is_gate(name)].append(parameter)
         self.optimizer = torch.optim.AdamW(
             [dict(params=parameters, weight_decay=options.weight_decay * decaying, rate=options.gate_rate if gate else 1.0)
              for (decaying, gate), parameters in groups.items()], lr=options.learning_rate)
-        saved = self.resume()
-        if saved:
-            self.mean = saved["mean"]
-
-    def kept(self):
-        return dict(model=self.model, optimizer=self.optimizer)
-
-    def noted(self):
-        return dict(mean=self.mean)
-
-    def save(self):
-        super().save()
-        self.export()
+        self.resume()
 
     def one_step(self):
         images, targets = self.samples[self.step]
         for group in self.optimizer.param_groups:
             group["lr"] = group["rate"] * loop.learning_rate(self.step, self.options.steps, self.options.learning_rate)
         parts = losses(self.model(images.contiguous(memory_format=torch.channels_last)), targets, self.model.model[24].anchors)
-        self.optimizer.zero_grad(set_to_none=True)
-        sum(parts.values()).backward()
-        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 10.0)
-        self.optimizer.step()
-        self.step += 1
-        keep = 1 - 1 / min(1 + self.step / 4, self.options.mean_over)  # early weights are soon forgotten
-        for name, value in self.model.state_dict().items():
-            if value.is_floating_point():
-                self.mean[name].mul_(keep).add_(value, alpha=1 - keep)
+        self.descend(parts, 10.0)
         return {name: float(value) for name, value in parts.items()}
 
     def export(self):

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nn/base/byte_stream.h"
 #include "nn/base/checksummed_file.h"
-#include "nn/image/image_container.h"
+#include "slam/geometry/stored_camera.h"
 
 namespace penumbra::slam::brain {
 
@@ -13,10 +12,6 @@ namespace {
 
 static_assert(sizeof(PlacePoint) == 48 && sizeof(Landmark) == 156 && sizeof(IntensityProfile) == 2400);
 constexpr std::size_t kNodeBytes = 4 + 5 * 8 + 3 * 4, kLinkBytes = 2 * 4 + 5 * 8 + 1;  // at least
-
-[[noreturn]] void refuse(const ByteReader& in, std::string_view expected, std::string_view found) {
-  throw InputError(fmt::format("before {}", in.here()), expected, found);
-}
 
 void put_pose(ByteWriter& out, const PlanePose& pose) {
   for (const double value : {pose.x, pose.y, pose.heading}) out.put(value);
@@ -28,15 +23,9 @@ void put_list(ByteWriter& out, const std::vector<T>& values) {
   out.put_array(std::span<const T>(values));
 }
 
-double get_finite(ByteReader& in, std::string_view what) {
-  const double value = in.get<double>(what);
-  if (!std::isfinite(value)) refuse(in, fmt::format("a finite {}", what), fmt::format("{}", value));
-  return value;
-}
-
 PlanePose get_pose(ByteReader& in) {
   PlanePose pose;
-  for (double* value : {&pose.x, &pose.y, &pose.heading}) *value = get_finite(in, "pose");
+  for (double* value : {&pose.x, &pose.y, &pose.heading}) *value = in.get_finite("pose");
   return pose;
 }
 
@@ -48,21 +37,7 @@ std::vector<T> get_list(ByteReader& in, std::string_view what) {
 
 void require_finite(const ByteReader& in, std::span<const float> values, std::string_view what) {
   if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }))
-    refuse(in, fmt::format("finite {}", what), "one that is not");
-}
-
-StereoCamera get_camera(ByteReader& in) {
-  StereoCamera c;
-  for (double* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.baseline, &c.disparity_offset})
-    *value = get_finite(in, "camera parameter");
-  c.width = in.get<std::int32_t>("image width");
-  c.height = in.get<std::int32_t>("image height");
-  if (!(c.fx > 0.0 && c.fy > 0.0 && c.baseline > 0.0 && c.width > 0 && c.height > 0 &&
-        static_cast<std::int64_t>(c.width) * c.height <= nn::kMaxImagePixels)) {
-    refuse(in, "focal lengths, baseline and image size above zero",
-           fmt::format("fx {} fy {} baseline {} size {}x{}", c.fx, c.fy, c.baseline, c.width, c.height));
-  }
-  return c;
+    in.refuse(fmt::format("finite {}", what), "one that is not");
 }
 
 Template get_view(ByteReader& in, TemplateKind kind) {
@@ -79,7 +54,7 @@ Template get_view(ByteReader& in, TemplateKind kind) {
     require_finite(in, numbers, "landmark");
     require_finite(in, landmark.descriptor, "descriptor of a landmark");
     if (!stands(landmark.landmark_class))
-      refuse(in, "a class of what stands", fmt::format("class {}", landmark.landmark_class));
+      in.refuse("a class of what stands", fmt::format("class {}", landmark.landmark_class));
   }
   return view;
 }
@@ -87,9 +62,9 @@ Template get_view(ByteReader& in, TemplateKind kind) {
 Node get_node(ByteReader& in) {
   Node node;
   node.frame = in.get<std::int32_t>("frame");
-  node.timestamp = get_finite(in, "time");
+  node.timestamp = in.get_finite("time");
   node.pose = get_pose(in);
-  node.strength = get_finite(in, "strength");
+  node.strength = in.get_finite("strength");
   node.activity = get_list<float>(in, "activity");
   require_finite(in, node.activity, "activity");
   node.points = get_list<PlacePoint>(in, "points");
@@ -102,14 +77,14 @@ Link get_link(ByteReader& in, int nodes) {
   link.from = in.get<std::int32_t>("node");
   link.to = in.get<std::int32_t>("node");
   link.motion = get_pose(in);
-  link.metres = get_finite(in, "deviation");
-  link.radians = get_finite(in, "deviation");
+  link.metres = in.get_finite("deviation");
+  link.radians = in.get_finite("deviation");
   link.recalled = in.get<char>("kind of link") != 0;
   const auto is_node = [&](int i) { return i >= 0 && i < nodes; };
   if (!is_node(link.from) || !is_node(link.to) || link.from == link.to || !(link.metres > 0.0) ||
       !(link.radians > 0.0)) {
-    refuse(in, fmt::format("a link between two of {} nodes, with deviations above 0", nodes),
-           fmt::format("{} to {}, {} m, {} rad", link.from, link.to, link.metres, link.radians));
+    in.refuse(fmt::format("a link between two of {} nodes, with deviations above 0", nodes),
+              fmt::format("{} to {}, {} m, {} rad", link.from, link.to, link.metres, link.radians));
   }
   return link;
 }
@@ -118,9 +93,7 @@ Link get_link(ByteReader& in, int nodes) {
 
 void write_cognitive_map(const std::filesystem::path& path, const StoredMap& stored) {
   ByteWriter body;
-  const StereoCamera& c = stored.camera;
-  for (const double value : {c.fx, c.fy, c.cx, c.cy, c.baseline, c.disparity_offset}) body.put(value);
-  for (const std::int32_t value : {c.width, c.height}) body.put(value);
+  put_camera(body, stored.camera);
   for (const double value : {stored.camera_yaw, stored.camera_pitch}) body.put(value);
   body.put(static_cast<std::uint32_t>(stored.templates));
   body.put(stored.scene_distance);
@@ -159,12 +132,12 @@ StoredMap read_cognitive_map(const std::filesystem::path& path) {
   ByteReader in(body, place, nn::kChecksummedHeaderBytes);
   StoredMap stored;
   stored.camera = get_camera(in);
-  stored.camera_yaw = get_finite(in, "camera's yaw");
-  stored.camera_pitch = get_finite(in, "camera's pitch");
+  stored.camera_yaw = in.get_finite("camera's yaw");
+  stored.camera_pitch = in.get_finite("camera's pitch");
   const auto kind = in.get<std::uint32_t>("kind of templates");
-  if (kind > 1) refuse(in, "0 (landmarks) or 1 (intensity) as kind of templates", fmt::format("{}", kind));
+  if (kind > 1) in.refuse("0 (landmarks) or 1 (intensity) as kind of templates", fmt::format("{}", kind));
   stored.templates = static_cast<TemplateKind>(kind);
-  stored.scene_distance = get_finite(in, "distance of the scene");
+  stored.scene_distance = in.get_finite("distance of the scene");
   const std::uint32_t nodes = in.get_count(kNodeBytes, "nodes");
   for (std::uint32_t i = 0; i < nodes; ++i) {
     stored.map.add(get_node(in));
@@ -172,8 +145,7 @@ StoredMap read_cognitive_map(const std::filesystem::path& path) {
   }
   const std::uint32_t links = in.get_count(kLinkBytes, "links");
   for (std::uint32_t i = 0; i < links; ++i) stored.map.add(get_link(in, stored.map.size()));
-  if (in.remaining() > 0)
-    throw InputError(in.here(), "the end of the map", fmt::format("{} more bytes", in.remaining()));
+  in.expect_end("the map");
   return stored;
 }
 

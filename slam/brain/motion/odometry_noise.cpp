@@ -1,7 +1,6 @@
 #include "slam/brain/motion/odometry_noise.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "nn/base/counter_random.h"
 #include "nn/base/error.h"
@@ -12,10 +11,8 @@ namespace {
 
 constexpr double kSlipSeconds = 0.5;
 
-// Two streams of uniform numbers make one of normal ones (Box, Muller 1958).
 double standard_normal(std::uint64_t seed, std::uint64_t counter) {
-  const double u = 1.0 - counter_uniform(seed, 2 * counter), v = counter_uniform(seed, 2 * counter + 1);
-  return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+  return normal_of(counter_uniform(seed, 2 * counter), counter_uniform(seed, 2 * counter + 1));
 }
 
 }  // namespace

@@ -1,13 +1,7 @@
 // A stream of random numbers for walks, first weights and noise: the same on every machine for a seed.
-//
-//   normal   z = sqrt(-2 ln(1 - u1)) cos(2 pi u2)      u1, u2 uniform in [0, 1)
-//
-// Source: Box and Muller, A note on the generation of random normal deviates (1958).
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include "nn/base/counter_random.h"
 
@@ -21,8 +15,8 @@ class RandomStream {
   double uniform() { return counter_uniform(seed_, counter_++); }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   double normal() {
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    return radius * std::cos(2.0 * std::numbers::pi * uniform());
+    const double u = uniform(), v = uniform();  // in this order
+    return normal_of(u, v);
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <utility>
 
 #include "nn/base/quantile.h"
 #include "slam/frontend/features/descriptor_matcher.h"
@@ -48,12 +49,9 @@ std::vector<PlacePoint> place_points(const StereoCamera& camera, const FrameFeat
 }
 
 double median_distance(const std::vector<PlacePoint>& points) {
-  if (points.empty()) return 0.0;
-  std::vector<float> distances;
-  for (const PlacePoint& point : points) distances.push_back(point.position[2]);
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  std::vector<double> distances;
+  for (const PlacePoint& point : points) distances.push_back(static_cast<double>(point.position[2]));
+  return quantile_of(std::move(distances), 0.5);
 }
 
 std::optional<ProvenPlace> prove_place(const StereoCamera& camera, const std::vector<PlacePoint>& place,

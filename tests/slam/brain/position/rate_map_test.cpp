@@ -10,7 +10,7 @@ namespace penumbra::slam::brain {
 namespace {
 
 TEST(RoomBins, CoverTheRoom) {
-  const RoomBins square(Room(RoomShape::square)), hexagon(Room(RoomShape::hexagon));
+  const RoomBins square{Room(RoomShape::square)}, hexagon{Room(RoomShape::hexagon)};
   EXPECT_EQ(square.size, 40);
   EXPECT_EQ(hexagon.size, 46);
   EXPECT_EQ(square.bin_of({-0.99, -0.99}), 0U);
@@ -21,19 +21,37 @@ TEST(RoomBins, CoverTheRoom) {
   }
 }
 
-TEST(FrozenRateMaps, AreTheActivityAtTheCentres) {
+// A network of some cells after 10 s of a walk, and how it is read.
+struct TrainedForAWhile {
+  TrainedForAWhile(RoomShape shape, int cells)
+      : settings(settings_of(shape, cells)),
+        network(train_grid_network(settings, ring, start, 0)),
+        room(shape) {
+    reading.room = &room;
+  }
+  static GridTrainingSettings settings_of(RoomShape shape, int cells) {
+    GridTrainingSettings settings;
+    settings.room = shape;
+    settings.seconds = 10.0;
+    settings.rule.cells = cells;
+    return settings;
+  }
+
   GridTrainingSettings settings;
-  settings.room = RoomShape::l_shape;
-  settings.seconds = 10.0;
-  settings.rule.cells = 3;
-  const HeadDirectionRing ring = HeadDirectionRing::trained(settings.ring, 1);
-  const Eigen::VectorXd start = Oscillators::random_start(12, 1);
-  const Lahn network = train_grid_network(settings, ring, start, 0);
-  const Room room(settings.room);
+  HeadDirectionRing ring = HeadDirectionRing::trained(settings.ring, 1);
+  Eigen::VectorXd start = Oscillators::random_start(12, 1);
+  Lahn network;
+  Room room;
   FrozenReading reading;
-  reading.room = &room;
-  Oscillators oscillators(ring.weights(), start, 0.5);
-  const std::vector<RateMap> maps = frozen_rate_maps(network, oscillators, reading);
+  Oscillators oscillators{ring.weights(), start, 0.5};
+};
+
+TEST(FrozenRateMaps, AreTheActivityAtTheCentres) {
+  TrainedForAWhile trained(RoomShape::l_shape, 3);
+  const Lahn& network = trained.network;
+  const Room& room = trained.room;
+  Oscillators& oscillators = trained.oscillators;
+  const std::vector<RateMap> maps = frozen_rate_maps(network, oscillators, trained.reading);
   ASSERT_EQ(maps.size(), 3U);
   const RoomBins bins(room);
   Lahn reader = network.reader();
@@ -53,21 +71,13 @@ TEST(FrozenRateMaps, AreTheActivityAtTheCentres) {
 
 // With the boundary factor an activity depends on the heading, so maps are means over some.
 TEST(FrozenRateMaps, DependOnTheWallsWithTheBoundaryFactor) {
-  GridTrainingSettings settings;
-  settings.seconds = 10.0;
-  settings.rule.cells = 2;
-  const HeadDirectionRing ring = HeadDirectionRing::trained(settings.ring, 1);
-  const Eigen::VectorXd start = Oscillators::random_start(12, 1);
-  const Lahn network = train_grid_network(settings, ring, start, 0);
-  const Room room(settings.room);
-  FrozenReading reading;
-  reading.room = &room;
-  const Oscillators oscillators(ring.weights(), start, 0.5);
-  const std::vector<RateMap> plain = frozen_rate_maps(network, oscillators, reading);
-  reading.boundary_factor = true;
-  const std::vector<RateMap> bounded = frozen_rate_maps(network, oscillators, reading);
+  TrainedForAWhile trained(RoomShape::square, 2);
+  const auto maps = [&] { return frozen_rate_maps(trained.network, trained.oscillators, trained.reading); };
+  const std::vector<RateMap> plain = maps();
+  trained.reading.boundary_factor = true;
+  const std::vector<RateMap> bounded = maps();
   EXPECT_NE(plain[0].rate, bounded[0].rate);
-  EXPECT_EQ(bounded[0].rate, frozen_rate_maps(network, oscillators, reading)[0].rate);
+  EXPECT_EQ(bounded[0].rate, maps()[0].rate);
 }
 
 TEST(LiveRateMaps, AreMeansOverVisits) {
