@@ -1,6 +1,7 @@
 #include "slam/backend/loop_closer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <set>
 #include <shared_mutex>
@@ -139,16 +140,23 @@ bool LoopCloser::agree(const Sighting& a, const Sighting& b) const {
          difference.angle() <= settings_.agree_radians;
 }
 
+// A turn about the direction of view shows the same points, so it does not count.
+bool LoopCloser::are_independent(const Sighting& a, const Sighting& b) const {
+  const double way = (centre(a.T_cw) - centre(b.T_cw)).norm();
+  const double cosine = a.T_cw.rotation.row(2).dot(b.T_cw.rotation.row(2));
+  return way >= settings_.least_motion_baselines * map_.camera().baseline ||
+         cosine <= std::cos(settings_.least_turn);
+}
+
 bool LoopCloser::is_consistent(const Sighting& newest) const {
   int agreeing = 1;
-  double motion = 0.0;
+  bool independent = false;
   for (const Sighting& sighting : sightings_) {
     if (sighting.keyframe->submap != newest.keyframe->submap || !agree(sighting, newest)) continue;
     ++agreeing;
-    motion = std::max(motion, (centre(sighting.T_cw) - centre(newest.T_cw)).norm());
+    independent = independent || are_independent(sighting, newest);
   }
-  return agreeing >= settings_.consistent &&
-         motion >= settings_.least_motion_baselines * map_.camera().baseline;
+  return agreeing >= settings_.consistent && independent;
 }
 
 void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {

@@ -5,9 +5,10 @@
 //   consistent with the last keyframes' verifications?
 //     -> correct the map, fuse duplicate points                       (map_correction.h)
 //
-// A false loop ruins a map, a missed one costs a little accuracy until the next chance. So several keyframes,
-// taken from different places, must be verified one after the other, and must agree: where loops are true
-// the poses found by each relate to each other as odometry says they do. The correction must also be one
+// A false loop ruins a map, a missed one costs a little accuracy until the next chance. So several keyframes
+// must be verified one after the other, and must agree: where loops are true the poses found by each relate to
+// each other as odometry says they do. Their views must be independent: a camera that stands sees the same
+// wrong place again and again, one that has gone on or has turned elsewhere sees other points. The correction must also be one
 // that drift can explain, and the place one that had been left before.
 //
 // process() needs the keyframes in the order in which they leave the local mapper. It locks the map: shared
@@ -39,7 +40,9 @@ struct LoopCloserSettings {
   int window = 10;            // ... among this many
   double agree_metres = 0.5;  // how far two of them may differ, plus 5 % of the way between them
   double agree_radians = 0.035;
-  double least_motion_baselines = 2.0;  // the way between the first and the last of them
+  // Two of them have independent views: so far apart, or looking so far in another direction.
+  double least_motion_baselines = 2.0;
+  double least_turn = 0.15;  // radians
   // What counts as the same place: as in the evaluation (slam/evaluation/loop_evaluation.h).
   double largest_distance = 5.0;  // metres
   double largest_turn = 0.5236;   // radians
@@ -96,6 +99,7 @@ class LoopCloser {
   KeyFrame* revisited(const KeyFrame& keyframe, const VerifiedPlace& place) const;
   bool drift_explains(const KeyFrame& keyframe, const VerifiedPlace& place) const;
   bool agree(const Sighting& a, const Sighting& b) const;
+  bool are_independent(const Sighting& a, const Sighting& b) const;
   bool is_consistent(const Sighting& newest) const;
   void close(KeyFrame* keyframe, const VerifiedPlace& place);
 

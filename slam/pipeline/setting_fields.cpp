@@ -140,6 +140,7 @@ void add(FieldList f, LoopCloserSettings& s) {
   f.metres("agree_metres", s.agree_metres);
   f.number("agree_radians", s.agree_radians, "radians", 0.0, 3.15);
   f.number("least_motion_baselines", s.least_motion_baselines, "baselines", 0.0, 1e4);
+  f.number("least_turn", s.least_turn, "radians", 0.0, 3.15);
   f.metres("largest_distance", s.largest_distance);
   f.number("largest_turn", s.largest_turn, "radians", 0.0, 3.15);
   f.metres("drift_metres", s.drift_metres);

@@ -85,8 +85,7 @@ std::shared_ptr<FrameFeatures> FeatureWorld::view(const SE3& T_cw, std::uint64_t
   return view;
 }
 
-KeyFrame* DriftingDrive::add_keyframe(double steps) {
-  const SE3 T_cw = world_.T_cw(steps);
+KeyFrame* DriftingDrive::add_keyframe(const SE3& T_cw) {
   SE3 T_wc = T_cw.inverse();
   if (last_ != nullptr) {
     T_wc = current_pose(*last_).inverse() * shift_ * SE3::exp(drift_) * last_T_cw_ * T_cw.inverse();

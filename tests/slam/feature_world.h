@@ -45,7 +45,9 @@ class DriftingDrive {
       : world_(world), map_(map), drift_(drift) {}
 
   // The next keyframe, at `steps` along the road, where the drive thinks that it is.
-  slam::KeyFrame* add_keyframe(double steps);
+  slam::KeyFrame* add_keyframe(double steps) { return add_keyframe(world_.T_cw(steps)); }
+  // The next keyframe, truly at `T_cw`.
+  slam::KeyFrame* add_keyframe(const slam::SE3& T_cw);
   // As if what was seen so far were not recognised any more.
   void forget() { tracked_.clear(); }
   // The same, and what comes is another sub-map.

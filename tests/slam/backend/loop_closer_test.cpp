@@ -67,6 +67,29 @@ TEST_F(RingRoad, IsClosedWhereItBegan) {
   EXPECT_GE(older, 1);
 }
 
+// The camera where the road begins, turned by `degrees`.
+SE3 turned(double degrees) {
+  const Eigen::AngleAxisd turn(degrees * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY());
+  return SE3{turn.toRotationMatrix(), Eigen::Vector3d::Zero()}.inverse();
+}
+
+TEST_F(RingRoad, IsClosedByACameraThatTurnsOnTheSpot) {
+  test::DriftingDrive drive(world, map, drift(6.0));
+  for (int k = 0; k < kLap + 6; ++k) closer.process(drive.add_keyframe(turned(360.0 * k / kLap)));
+  ASSERT_EQ(closer.loops().size(), 1U);
+  EXPECT_NEAR(closer.loops().front().frame - closer.loops().front().earlier_frame, kLap, 6);
+}
+
+// It sees one place as often as one likes, but only once: were it the wrong one, nothing would contradict it.
+TEST_F(RingRoad, IsNotClosedByACameraThatStands) {
+  test::DriftingDrive drive(world, map, drift(6.0));
+  for (int k = 0; k < kLap / 2; ++k) closer.process(drive.add_keyframe(turned(360.0 * k / kLap)));
+  drive.forget();
+  for (int k = 0; k < 12; ++k) closer.process(drive.add_keyframe(turned(0.5 * (k % 2))));
+  EXPECT_GE(closer.recognised().size(), 5U);
+  EXPECT_TRUE(closer.loops().empty());
+}
+
 TEST_F(RingRoad, IsNotClosedWithoutARevisit) {
   test::DriftingDrive drive(world, map, drift(6.0));
   drive_on(drive, 0.0, 0.8 * kLap);
