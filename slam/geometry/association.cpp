@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <queue>
 #include <string>
+#include <tuple>
 
 #include "nn/base/error.h"
 
@@ -16,6 +20,27 @@ std::size_t nearest_in_time(std::span<const double> times, double time) {
   const auto before = std::prev(after);
   const bool take_before = after == times.end() || time - *before <= *after - time;
   return static_cast<std::size_t>((take_before ? before : after) - times.begin());
+}
+
+struct ListedTime {
+  double time = 0.0;
+  bool in_first = false;
+  std::size_t place = 0;  // in its list
+};
+
+// Two of them side by side, and how far apart.
+using Neighbours = std::tuple<double, std::size_t, std::size_t>;
+
+// Both lists in the order of time.
+std::vector<ListedTime> merged(std::span<const double> first, std::span<const double> second) {
+  std::vector<ListedTime> all;
+  all.reserve(first.size() + second.size());
+  for (std::size_t i = 0, j = 0; i < first.size() || j < second.size();) {
+    const bool from_first = j == second.size() || (i < first.size() && first[i] <= second[j]);
+    all.push_back(from_first ? ListedTime{first[i], true, i} : ListedTime{second[j], false, j});
+    ++(from_first ? i : j);
+  }
+  return all;
 }
 
 std::vector<double> times_of(const Trajectory& trajectory) {
@@ -76,27 +101,36 @@ std::string hint(const Trajectory& reference, const Trajectory& estimate, double
 
 std::vector<TimePair> associate_times(std::span<const double> first, std::span<const double> second,
                                       double max_difference) {
-  const bool first_is_longer = first.size() >= second.size();
-  const std::span<const double> longer = first_is_longer ? first : second;
-  const std::span<const double> shorter = first_is_longer ? second : first;
+  const std::vector<ListedTime> all = merged(first, second);
+  // The nearest pair of those that are left always stands side by side there, so that only neighbours are
+  // candidates; where a pair is taken, those on both sides of it become neighbours.
+  std::vector<std::size_t> before(all.size() + 1), after(all.size() + 1);
+  std::iota(after.begin(), after.end(), std::size_t{1});
+  for (std::size_t i = 0; i < all.size(); ++i) before[i + 1] = i;
+  before[0] = all.size();
+  std::priority_queue<Neighbours, std::vector<Neighbours>, std::greater<>> nearest;
+  const auto consider = [&](std::size_t left, std::size_t right) {
+    if (left >= all.size() || right >= all.size() || all[left].in_first == all[right].in_first) return;
+    const double difference = all[right].time - all[left].time;
+    if (difference <= max_difference) nearest.push({difference, left, right});
+  };
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) consider(i, i + 1);
+
+  std::vector<char> taken(all.size(), 0);
   std::vector<TimePair> pairs;
-  double last_difference = 0.0;
-  std::size_t last_in_long = 0;
-  for (std::size_t i = 0; i < shorter.size() && !longer.empty(); ++i) {
-    const std::size_t nearest = nearest_in_time(longer, shorter[i]);
-    const double difference = std::abs(longer[nearest] - shorter[i]);
-    if (!(difference <= max_difference)) continue;
-    const TimePair pair = first_is_longer ? TimePair{nearest, i} : TimePair{i, nearest};
-    // Both are ordered by time, so whoever wants the same partner stands next to us.
-    if (!pairs.empty() && last_in_long == nearest) {
-      if (difference >= last_difference) continue;
-      pairs.back() = pair;
-    } else {
-      pairs.push_back(pair);
-    }
-    last_difference = difference;
-    last_in_long = nearest;
+  while (!nearest.empty()) {
+    const auto [difference, left, right] = nearest.top();
+    nearest.pop();
+    if (taken[left] != 0 || taken[right] != 0) continue;
+    taken[left] = taken[right] = 1;
+    pairs.push_back(all[left].in_first ? TimePair{all[left].place, all[right].place}
+                                       : TimePair{all[right].place, all[left].place});
+    const std::size_t previous = before[left], next = after[right];
+    if (previous < all.size()) after[previous] = next;
+    if (next < all.size()) before[next] = previous;
+    consider(previous, next);
   }
+  std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
 

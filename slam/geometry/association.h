@@ -1,9 +1,10 @@
-// Pairs the poses of two trajectories by time.
+// Pairs the poses of two trajectories, or the images of two cameras, by time.
 //
-// For every pose of the shorter trajectory the nearest in time of the longer one is taken, if they are at
-// most `max_difference` seconds apart (as evo does). Each pose is used at most once: where two poses choose
-// the same partner, the closer one keeps it (evo would use the partner twice; with the longer trajectory the
-// denser one, as is usual, both give the same pairs). Poses without a partner are left out. Cost: O(n log n).
+// Greedy, one to one, as TUM's tool does for colour and depth: of all pairs that are at most `max_difference`
+// seconds apart the nearest is taken, then the nearest of what is left. What finds no partner is left out.
+// (evo takes for every pose of the shorter trajectory the nearest of the longer one, perhaps twice; with the
+// longer trajectory the denser one, as is usual, both give the same pairs.) Cost: O(n log n).
+// Source: associate.py of the TUM RGB-D benchmark (Sturm et al. 2012).
 #pragma once
 
 #include <cstddef>
@@ -19,7 +20,7 @@ inline constexpr double kMaxTimeDifference = 0.01;  // seconds
 
 // Places in two lists of times.
 using TimePair = std::pair<std::size_t, std::size_t>;
-// The same for any two lists of times, each in increasing order; in the order of time.
+// Of two lists of times, each in increasing order; the pairs are in the order of the first.
 std::vector<TimePair> associate_times(std::span<const double> first, std::span<const double> second,
                                       double max_difference);
 

@@ -141,11 +141,15 @@ Trajectory read_timed(const PoseTable& table, TimeRule rule, const QuaternionCol
   return trajectory;
 }
 
+// -0 is 0 to every reader but a human one.
+double without_sign_of_zero(double value) { return value == 0.0 ? 0.0 : value; }
+
 void append_kitti_row(std::string& text, const SE3& pose) {
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {
       const double value = column < 3 ? pose.rotation(row, column) : pose.translation[row];
-      fmt::format_to(std::back_inserter(text), "{}{:.17g}", row + column == 0 ? "" : " ", value);
+      fmt::format_to(std::back_inserter(text), "{}{:.17g}", row + column == 0 ? "" : " ",
+                     without_sign_of_zero(value));
     }
   }
   text += '\n';
@@ -229,9 +233,10 @@ void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& t
   for (const TimedPose& pose : trajectory) {
     const Eigen::Quaterniond q = Eigen::Quaterniond(pose.T_wc.rotation).normalized();
     const Eigen::Vector3d& t = pose.T_wc.translation;
-    fmt::format_to(std::back_inserter(text),
-                   "{:.9f} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", pose.timestamp, t.x(),
-                   t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+    fmt::format_to(std::back_inserter(text), "{:.9f}", pose.timestamp);
+    for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()})
+      fmt::format_to(std::back_inserter(text), " {:.17g}", without_sign_of_zero(value));
+    text += '\n';
   }
   nn::write_file(path, text);
 }

@@ -41,6 +41,15 @@ TEST_F(TrajectoryIo, KittiRotationsKeepTheirRounding) {
   EXPECT_EQ(poses[0].translation, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST_F(TrajectoryIo, ZeroHasNoSign) {
+  const Trajectory trajectory = {{0.0, SE3{}.inverse()}};
+  write_tum_trajectory(folder_ / "a.txt", trajectory);
+  write_kitti_poses(folder_ / "b.txt", trajectory);
+  EXPECT_EQ(nn::read_file(folder_ / "a.txt", ""),
+            "# timestamp tx ty tz qx qy qz qw\n0.000000000 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(nn::read_file(folder_ / "b.txt", ""), "1 0 0 0 0 1 0 0 0 0 1 0\n");
+}
+
 TEST_F(TrajectoryIo, TumTrajectoryComesBack) {
   Trajectory trajectory = test::winding_trajectory(50);
   for (TimedPose& pose : trajectory) pose.timestamp += 1311868164.363181;
