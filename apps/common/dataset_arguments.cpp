@@ -27,6 +27,11 @@ void add_recording_arguments(CLI::App& command, DatasetArguments& arguments) {
   command.add_option("--rate", arguments.frame_rate, "frames a second, where the dataset has no times")
       ->check(number_above_zero())
       ->type_name("HZ");
+  command
+      .add_option("--pair-within", arguments.pair_within,
+                  "seconds that the two images of a frame may be apart, by their times (default: TUM 0.02, EuRoC 0.001)")
+      ->check(number_above_zero())
+      ->type_name("SECONDS");
   command.add_option("--sequence", arguments.sequence,
                      "which one, where the folder holds several, such as 00");
 }
@@ -41,6 +46,7 @@ slam::DatasetOptions dataset_options(const DatasetArguments& arguments) {
   if (arguments.images == "grey") options.cameras = slam::DatasetCameras::grey;
   if (arguments.images == "colour") options.cameras = slam::DatasetCameras::colour;
   options.frame_rate = arguments.frame_rate;
+  options.pair_within = arguments.pair_within;
   return options;
 }
 

@@ -13,14 +13,14 @@ struct DatasetArguments {
   std::string folder, format = "auto", frames, sequence, images = "auto";
   int step = 1;
   std::optional<int> image_bits;
-  std::optional<double> frame_rate;
+  std::optional<double> frame_rate, pair_within;
 };
 
 // Adds the folder itself, described by `help`, and --format, --frames, --step and --image-bits. `arguments`
 // must outlive the command.
 void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const std::string& help);
 
-// Adds --images, --rate and --sequence, for commands that run through one recording.
+// Adds --images, --rate, --pair-within and --sequence, for commands that run through one recording.
 void add_recording_arguments(CLI::App& command, DatasetArguments& arguments);
 
 // What they say; errors of --frames as slam::parse_frame_range has them.

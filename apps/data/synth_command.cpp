@@ -31,7 +31,7 @@ struct SynthOptions {
   bool overwrite = false;
   // What replaces the preset's values.
   std::optional<float> parked, traffic, moving, texture, exposure_change, noise, shutter, glare, readout,
-      lamps;
+      depth_delay, lamps;
   std::optional<std::string> light, lorry, people, depth_sensor;
 };
 
@@ -76,8 +76,8 @@ synthetic::StreetSettings street_of(const SynthOptions& options) {
 }
 
 std::unique_ptr<synthetic::Sequence> make_street(const SynthOptions& options) {
-  refuse(options.people || options.depth_sensor || options.readout,
-         "--people, --depth-sensor or --rolling-shutter", "street");
+  refuse(options.people || options.depth_sensor || options.readout || options.depth_delay,
+         "--people, --depth-sensor, --rolling-shutter or --depth-delay", "street");
   const bool rgbd = options.sensor == "rgbd";
   synthetic::SequenceSettings settings;
   settings.street = street_of(options);
@@ -118,6 +118,7 @@ std::unique_ptr<synthetic::Sequence> make_office(const SynthOptions& options) {
   settings.noise = options.noise.value_or(settings.noise);
   settings.shutter = options.shutter.value_or(settings.shutter);
   settings.readout = options.readout.value_or(settings.readout);
+  settings.depth_delay = options.depth_delay.value_or(0.0F) / 1000.0F;
   settings.annotations = options.annotations;
   settings.flow = options.flow;
   settings.amodal = options.amodal;
@@ -218,6 +219,12 @@ void add_scene_options(CLI::App* command, SynthOptions& options) {
          "Seconds that the shutter is open, 0..0.1, office 0..0.033 (7 times as slow)");
   number("--rolling-shutter", options.readout,
          "In the office: seconds from the first row's exposure to the last one's, 0..0.033");
+  command
+      ->add_option(
+          "--depth-delay", options.depth_delay,
+          "In the office: milliseconds from each image to its depth, -30..30, as in TUM's recordings")
+      ->type_name("MS")
+      ->group(group);
   number("--glare", options.glare, "Stray light: veil, ghosts of the sun, sparkles; 0..1");
 }
 

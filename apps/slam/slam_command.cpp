@@ -69,7 +69,8 @@ void add_slam_command(CLI::App& app) {
                       "file of the weights' class names, one a line (default: the weights' own, or COCO)");
   command
       ->add_option("--segmentation", options->segmentation,
-                   "frames that are segmented: keyframes, every-N, all (tracking waits), off")
+                   "frames that are segmented: keyframes (and one after 0.15 s without any), every-N, all "
+                   "(tracking waits), off")
       ->capture_default_str()
       ->type_name("WHICH");
   command

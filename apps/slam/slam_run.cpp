@@ -142,8 +142,9 @@ class FrameLoop {
       check_.add_unreadable(result.index);
       run_.unreadable_frames.push_back(result.index);
     }
+    if (dense_ != nullptr && images && dense_->add(dataset_.camera(), *images, result))
+      record_.keep_masks_of(result.index);
     const slam::FrameResult& kept = record_.add(std::move(result));
-    if (dense_ != nullptr && images) dense_->add(dataset_.camera(), *images, kept);
     if (view_ != nullptr) view_->add(kept, images ? images->left : ByteImage());
     if (kept.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", kept.index);
     if (kept.tracking.recovered) log_info("frame {}: found again", kept.index);
@@ -249,7 +250,7 @@ void run_slam(const SlamOptions& options) {
 
   omp_set_num_threads(settings.threads);
   slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter, std::move(map));
-  slam::Recorder record(slam, options.dense);
+  slam::Recorder record(slam);
   std::optional<LiveView> view;
   if (!options.view.empty()) {
     view.emplace(port, run, dataset->size(), record);

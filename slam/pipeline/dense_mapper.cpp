@@ -69,13 +69,14 @@ bool DenseMapper::brings_something(const FrameResult& result) {
   return true;
 }
 
-void DenseMapper::add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result) {
-  if (!result.keyframe || result.place.reference == nullptr || images.depth.empty()) return;
-  if (!brings_something(result)) return;
+bool DenseMapper::add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result) {
+  const bool located = result.tracking.state == TrackingState::tracking && result.place.reference != nullptr;
+  if (!result.segmented || !located || images.depth.empty() || !brings_something(result)) return false;
   last_T_wc_ = result.T_wc;
   last_time_ = result.timestamp;
   kept_.push_back(
       {result.index, result.place, make_dense_view(camera, images.left, images.depth, settings_.step)});
+  return true;
 }
 
 // Gives the pixels of the view their classes, and marks what moves. Things that were followed into the

@@ -1,16 +1,18 @@
-// Keeps of each keyframe what the dense map is made of, and makes that map: of what stands, at the poses that
-// the keyframes have by then, with the classes that the segmenter has found by then
-// (slam/map/dense/fusion.h).
+// Keeps of some frames what the dense map is made of, and makes that map: of what stands, at the poses that
+// the frames have by then, with the classes that the segmenter has found by then (slam/map/dense/fusion.h).
 //
 //   DenseMapper dense(settings.dense);
-//   for each frame:  dense.add(images, record.add(slam.process(images)));
+//   for each frame:  result = slam.process(images);
+//                    if (dense.add(camera, images, result)) record.keep_masks_of(result.index);
+//                    record.add(result);
 //   record.finish();
 //   write(dense.build(record));
 //
-// A keyframe that was taken nearer than `least_metres` and `least_degrees` to the last one that is kept
-// brings nothing new and is left out. From where the camera stands some are kept, one a second: people come
-// and go before it. Memory: 460 kB a view of 640 x 480 with a step of 2; voxel_grid.h says
-// what a voxel takes. The thread that calls Slam::process() uses it.
+// A frame counts where the segmenter is shown it: keyframes and some between them. One that was taken nearer
+// than `least_metres` and `least_degrees` to the last one that is kept brings nothing new and is left out.
+// From where the camera stands some are kept, one a second: people come and go before it. Memory: 460 kB a
+// view of 640 x 480 with a step of 2; voxel_grid.h says what a voxel takes. The thread that calls
+// Slam::process() uses it.
 #pragma once
 
 #include <optional>
@@ -36,8 +38,8 @@ class DenseMapper {
  public:
   explicit DenseMapper(const DenseSettings& settings) : settings_(settings) {}
 
-  // Keeps the frame where it is a keyframe with depth.
-  void add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result);
+  // Returns whether it keeps the frame.
+  bool add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result);
   // The map as it is now. Takes the map's lock shared.
   DenseMap build(const Recorder& record);
   int views() const { return static_cast<int>(kept_.size()); }

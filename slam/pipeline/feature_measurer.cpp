@@ -55,7 +55,7 @@ void FeatureMeasurer::check(const StereoImages& images, const StereoCamera& came
 
 std::shared_ptr<const FrameFeatures> FeatureMeasurer::measure(const StereoImages& images,
                                                               const StereoCamera& camera, double more,
-                                                              StageTimer& timer) {
+                                                              StageTimer& timer, const SE3& T_dc) {
   auto measured = std::make_shared<FrameFeatures>();
   const ByteImage left = to_grey(images.left);
   StereoMatches stereo;
@@ -80,7 +80,7 @@ std::shared_ptr<const FrameFeatures> FeatureMeasurer::measure(const StereoImages
       left_orb_.extract(left, measured->left, more);
     }
     const auto scope = timer.measure("stereo");
-    measure_depth(camera, measured->left, images.depth, stereo);
+    measure_depth(camera, measured->left, images.depth, stereo, T_dc);
   }
   measured->u_right = std::move(stereo.u_right);
   measured->depth = std::move(stereo.depth);

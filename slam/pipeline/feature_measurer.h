@@ -24,9 +24,9 @@ class FeatureMeasurer {
   // InputError unless the images have the camera's size, 8 bits, grey or colour; depth: metres, as floats.
   void check(const StereoImages& images, const StereoCamera& camera) const;
   // `more`: times as many features as the settings say. InputError where the first pairs show that left and
-  // right are exchanged.
+  // right are exchanged. `T_dc`: see measure_depth.
   std::shared_ptr<const FrameFeatures> measure(const StereoImages& images, const StereoCamera& camera,
-                                               double more, StageTimer& timer);
+                                               double more, StageTimer& timer, const SE3& T_dc = {});
   // Of the left image that was measured last.
   const ImagePyramid& pyramid() const { return left_orb_.pyramid(); }
 

@@ -17,19 +17,13 @@ const FrameResult& Recorder::add(FrameResult result) {
   return results_.back();
 }
 
-bool Recorder::is_keyframe(int frame) const {
-  const auto at = std::find_if(results_.rbegin(), results_.rend(),
-                               [frame](const FrameResult& result) { return result.index == frame; });
-  return at != results_.rend() && at->keyframe;
-}
-
 void Recorder::finish() { keep(slam_.finish()); }
 
 void Recorder::keep(Findings findings) {
   for (KeyframeSightings& seen : findings.sightings) sightings_[seen.frame] = std::move(seen.sightings);
   std::move(findings.gone.begin(), findings.gone.end(), std::back_inserter(gone_));
   for (SegmentedFrame& found : findings.segmented) {
-    if (!keeps_masks_ || !is_keyframe(found.frame)) continue;
+    if (!with_masks_.contains(found.frame)) continue;
     for (Instance& instance : found.instances) {
       const Size half{std::max(1, instance.mask.width() / 2), std::max(1, instance.mask.height() / 2)};
       if (!instance.mask.empty()) instance.mask = resize_nearest<std::uint8_t>(instance.mask, half);

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <vector>
 
 #include "slam/geometry/trajectory.h"
@@ -30,8 +31,11 @@ struct SubmapSummary {
 class Recorder {
  public:
   // `slam` must live longer.
-  // `keeps_masks`: for a dense map (dense_mapper.h), some 20 kB a keyframe.
-  explicit Recorder(Slam& slam, bool keeps_masks = false) : slam_(slam), keeps_masks_(keeps_masks) {}
+  explicit Recorder(Slam& slam) : slam_(slam) {}
+
+  // What the segmenter sees in the frame is to be kept, some 20 kB (dense_mapper.h); before the frame is
+  // added.
+  void keep_masks_of(int frame) { with_masks_.insert(frame); }
 
   // Takes what process() has returned, in the order of the frames; returns it as it is kept.
   const FrameResult& add(FrameResult result);
@@ -49,16 +53,15 @@ class Recorder {
   std::vector<TrackedInstance> instances() const;
   // What each keyframe showed of them, by its frame's number; the masks are small.
   const std::map<int, std::vector<InstanceSighting>>& sightings() const { return sightings_; }
-  // What the segmenter saw in each keyframe that it was shown, followed or not, where that is kept; masks of
-  // half the size.
+  // What the segmenter saw in each frame for which that is kept and that it was shown, followed or not; masks
+  // of half the size.
   const std::map<int, std::vector<Instance>>& masks() const { return masks_; }
 
  private:
   void keep(Findings findings);
-  bool is_keyframe(int frame) const;
 
   Slam& slam_;
-  const bool keeps_masks_;
+  std::set<int> with_masks_;
   std::vector<FrameResult> results_;
   int tracked_ = 0;
   std::vector<TrackedInstance> gone_;

@@ -89,7 +89,7 @@ void add(FieldList f, TrackerSettings& s, RigidMoverSettings& rigid_mover) {
   FieldList keyframes = f.group("keyframes");
   keyframes.share("least_similarity", s.keyframes.least_similarity);
   keyframes.share("least_close_share", s.keyframes.least_close_share);
-  keyframes.count("longest_gap", s.keyframes.longest_gap, "frames", 1.0);
+  keyframes.number("longest_gap_seconds", s.keyframes.longest_gap_seconds, "seconds", 0.0, 1e9);
   f.metres("motion_change_metres", s.motion_change_metres);
   f.number("motion_change_radians", s.motion_change_radians, "radians", 0.0, 3.15);
   f.share("least_sharpness", s.least_sharpness);
@@ -181,6 +181,7 @@ std::vector<SettingField> setting_fields(SlamSettings& s) {
   full.count("iterations", s.full_bundle.iterations, "iterations");
   full.pixels("disparity_offset_sigma", s.full_bundle.disparity_offset_sigma);
   add(all.group("dense"), s.dense);
+  all.flag("moves_depth", s.moves_depth);
   all.flag("localise", s.localise);
   all.number("threads", s.threads, "threads", 1.0, 256.0);
   all.flag("deterministic", s.deterministic);

@@ -100,12 +100,20 @@ FrameResult Slam::process(const StereoImages& images) {
   // What covers the view takes its share of the features: the rest of the street needs its own.
   constexpr double kMostFeatures = 2.5;
   const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
-  const std::shared_ptr<const FrameFeatures> features = measurer_.measure(images, camera_, more, timer_);
+  const std::shared_ptr<const FrameFeatures> features =
+      measurer_.measure(images, camera_, more, timer_, motion_to_depth(images));
   FrameResult result =
       process(images.timestamp, features, {images.index, images.left, images.depth, features});
   result.milliseconds = watch.milliseconds();
   timer_.add("frame", result.milliseconds);
   return result;
+}
+
+// How the camera moves from the colour image to the depth image, if it moves on as it did.
+SE3 Slam::motion_to_depth(const StereoImages& images) const {
+  if (images.depth_delay == 0.0 || !settings_.moves_depth) return {};
+  return tracker_.predicted_step(images.timestamp + images.depth_delay) *
+         tracker_.predicted_step(images.timestamp).inverse();
 }
 
 FrameResult Slam::process_missing(int index, double timestamp) {
@@ -166,7 +174,11 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   result.static_points = static_points_.count();
   if (!result.tracking.second_pose) result.static_points.given_back = 0;
   if (second_look_) timer_.add("static_points", reach_ms + result.tracking.second_look_ms);
-  if (is_segmented(result) && !image.image.empty()) segmentation_.submit(image);
+  result.segmented = is_segmented(result) && !image.image.empty();
+  if (result.segmented) {
+    segmented_time_ = timestamp;
+    if (settings_.semantics.mode != SegmentationMode::all) segmentation_.submit(image);
+  }
   if (work) worker_.submit(std::move(*work));
 
   result.T_wc = frame.T_cw.inverse();
@@ -202,22 +214,18 @@ bool Slam::find_what_stands(const SE3& T_cw, const FeaturePixels& pixels, std::v
 }
 
 bool Slam::is_segmented(const FrameResult& frame) const {
-  constexpr int kWithoutKeyframes = 3;  // frames; a drive makes every second or third a keyframe
-  const auto is_turn_of = [&](int interval) {
-    return frames_ % static_cast<std::size_t>(std::max(1, interval)) == 0;
-  };
   switch (settings_.semantics.mode) {
+    case SegmentationMode::off:
     case SegmentationMode::keyframes:
       // What hides the way must be known most of all where the way is not.
       return frame.keyframe || frame.tracking.state != TrackingState::tracking ||
-             (settings_.localise && is_turn_of(kWithoutKeyframes));
+             frame.timestamp - segmented_time_ >= settings_.semantics.longest_gap_seconds;
     case SegmentationMode::interval:
-      return is_turn_of(settings_.semantics.interval);
-    case SegmentationMode::off:
-    case SegmentationMode::all:  // before the frame is located
+      return frames_ % static_cast<std::size_t>(std::max(1, settings_.semantics.interval)) == 0;
+    case SegmentationMode::all:
       break;
   }
-  return false;
+  return true;
 }
 
 // What the segmenter has found meanwhile labels the frames that it belongs to, and all since.

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -67,6 +68,7 @@ struct FrameResult {
   SE3 T_wc;          // where it was located, or predicted; the map may move it later
   FramePlace place;  // with which it is moved
   bool keyframe = false;
+  bool segmented = false;  // shown to the segmenter, or would be if there were one
   int features = 0, stereo_features = 0;
   int movable_features = 0;  // on what is known or taken to move
   StaticPointCount static_points;
@@ -120,6 +122,7 @@ class Slam {
   const StageTimer& timer() const { return timer_; }
 
  private:
+  SE3 motion_to_depth(const StereoImages& images) const;
   // `image`: with the frame's number, and without pixels where there are none.
   FrameResult process(double timestamp, const std::shared_ptr<const FrameFeatures>& features,
                       const ImageToSegment& image);
@@ -141,8 +144,9 @@ class Slam {
   LocalMapper mapper_;
   LoopCloser loop_closer_;
   Tracker tracker_;
-  std::size_t frames_ = 0;  // so far
-  FramePlace last_place_;   // of the frame before
+  std::size_t frames_ = 0;                                         // so far
+  double segmented_time_ = std::numeric_limits<double>::lowest();  // of the last frame that was
+  FramePlace last_place_;                                          // of the frame before
   Frame newest_;
   InstanceTracker instances_;
   Movers movers_;

@@ -16,14 +16,15 @@
 
 namespace penumbra::slam {
 
-// Which frames are segmented. `keyframes` (and frames that cannot be located; every third where only the way
-// in a map is looked for) and `interval`: beside the tracker, which gets the instances when they are there.
-// `all`: every frame, before it is located; the tracker waits.
+// Which frames are segmented. `keyframes` (and frames that cannot be located, and one after
+// `longest_gap_seconds` without any) and `interval`: beside the tracker, which gets the instances when they
+// are there. `all`: every frame, before it is located; the tracker waits.
 enum class SegmentationMode { off, keyframes, interval, all };
 
 struct SemanticsSettings {
   SegmentationMode mode = SegmentationMode::keyframes;
-  int interval = 1;  // frames, of SegmentationMode::interval
+  int interval = 1;                   // frames, of SegmentationMode::interval
+  double longest_gap_seconds = 0.15;  // of SegmentationMode::keyframes: people go on where the camera stands
   // Of the network beside the tracker; 0: all but one of `SlamSettings::threads`. With as many as there are
   // processors its threads would wait for each other whenever the tracker holds one of them.
   int threads = 0;
@@ -42,7 +43,9 @@ struct SlamSettings {
   LoopCloserSettings loops;
   SemanticsSettings semantics;
   FullBundleSettings full_bundle;
-  DenseSettings dense;    // of who makes a dense map (dense_mapper.h)
+  DenseSettings dense;  // of who makes a dense map (dense_mapper.h)
+  // Depth that was taken at another time than the colours is looked up where the camera's motion puts it.
+  bool moves_depth = true;
   bool localise = false;  // only find the way in a map that was loaded, which stays as it is
   int threads = 2;        // 1: the right image's features wait for the left's
   bool deterministic = true;

@@ -34,6 +34,9 @@ struct DatasetOptions {
   DatasetCameras cameras = DatasetCameras::automatic;
   std::optional<int> image_bits;     // of 16-bit images, that the camera fills; none: found
   std::optional<double> frame_rate;  // Hz, used where the dataset has no times; none: then an error
+  // Seconds that the two images of a frame may be apart where both have times; none: as the layout's cameras
+  // are (TUM 20 ms, EuRoC 1 ms).
+  std::optional<double> pair_within;
 };
 
 // Throws InputError where the folder is missing, of no known layout (the message lists what was looked for)

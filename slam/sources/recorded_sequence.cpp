@@ -67,6 +67,7 @@ class RecordedSequence final : public StereoDataset {
       images.right = r_.right.linear(checked(levels_.read(f.second, r_.colour), f.second));
     } else {
       const WordImage levels = r_.left.nearest(checked(nn::read_depth_image(f.second), f.second));
+      images.depth_delay = f.depth_delay;
       images.depth.create(levels.width(), levels.height());
       const auto metres = static_cast<float>(1.0 / r_.depth_factor);  // a level
       std::transform(levels.data(), levels.data() + levels.elements(), images.depth.data(),

@@ -18,6 +18,7 @@ struct RecordedFrame {
   int index = 0;                       // frame number in the sequence
   double timestamp = 0.0;              // seconds
   std::filesystem::path left, second;  // the second image: right, or depth
+  double depth_delay = 0.0;            // StereoImages::depth_delay
 };
 
 struct Recording {

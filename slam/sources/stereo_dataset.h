@@ -16,10 +16,11 @@ enum class Sensor { stereo, rgbd };
 
 // One frame: two rectified images, or one image and its depth.
 struct StereoImages {
-  int index = 0;           // frame number in the sequence
-  double timestamp = 0.0;  // seconds
-  ByteImage left, right;   // grey (1 channel) or BGR (3 channels), of the camera's size
-  FloatImage depth;        // instead of `right`: metres along z, 0 where unknown
+  int index = 0;             // frame number in the sequence
+  double timestamp = 0.0;    // seconds
+  ByteImage left, right;     // grey (1 channel) or BGR (3 channels), of the camera's size
+  FloatImage depth;          // instead of `right`: metres along z, 0 where unknown
+  double depth_delay = 0.0;  // seconds from the colour image to the depth image
 };
 
 class StereoDataset {

@@ -19,7 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameTime = 0.02;  // seconds, between colour and depth
+// Seconds between colour and depth: more than half a frame of 30 Hz, so that nearly every image finds its
+// partner.
+constexpr double kSameTime = 0.02;
 
 struct KnownCamera {
   const char* names[2];
@@ -49,7 +51,16 @@ const KnownCamera kCameras[] = {
     {{"freiburg3", "fr3"}, {535.4, 539.2, 320.1, 247.6, LensModel::radial_tangential, {}, 640, 480}},
 };
 
-CameraFile find_camera(const fs::path& folder, const std::string& name) {
+// What the folder was called by who asked for it, perhaps a link's own name, and what it is called where it
+// lies.
+std::string names_of(const fs::path& asked, const fs::path& folder) {
+  fs::path own = fs::absolute(asked).lexically_normal();
+  if (!own.has_filename()) own = own.parent_path();
+  if (own.filename() == folder.filename()) return folder.filename().string();
+  return own.filename().string() + ", " + folder.filename().string();
+}
+
+CameraFile find_camera(const fs::path& folder, const std::string& names) {
   if (is_present(folder / "calibration.yaml")) {
     CameraFile file = read_camera_file(folder / "calibration.yaml");
     if (file.sensor != Sensor::rgbd) {
@@ -59,7 +70,7 @@ CameraFile find_camera(const fs::path& folder, const std::string& name) {
     return file;
   }
   for (const KnownCamera& known : kCameras) {
-    if (name.find(known.names[0]) == std::string::npos && name.find(known.names[1]) == std::string::npos)
+    if (names.find(known.names[0]) == std::string::npos && names.find(known.names[1]) == std::string::npos)
       continue;
     CameraFile file;
     file.sensor = Sensor::rgbd;
@@ -70,7 +81,7 @@ CameraFile find_camera(const fs::path& folder, const std::string& name) {
   }
   throw InputError(folder.string(),
                    "a calibration.yaml, or a folder name with freiburg1, freiburg2 or freiburg3",
-                   fmt::format("neither in '{}'", name));
+                   fmt::format("neither in '{}'", names));
 }
 
 }  // namespace
@@ -86,9 +97,10 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   const ImageList colour_list = read_tum_image_list(folder / "rgb.txt");
   const ImageList depth_list = read_tum_image_list(folder / "depth.txt");
   const std::vector<ListedImage>&colour = colour_list.images, &depth = depth_list.images;
-  const CameraFile file = find_camera(folder, name);
+  const CameraFile file = find_camera(folder, names_of(path, folder));
   const RecordedCamera camera = make_camera(file);
 
+  const double pair_within = options.pair_within.value_or(kSameTime);
   Recording recording;
   recording.name = "TUM RGB-D " + name;
   recording.notes = joined_notes(colour_list, depth_list);
@@ -99,19 +111,22 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   recording.left = camera.left;
   recording.depth_factor = file.depth_factor;
   recording.colour = colour_of(options.cameras, nn::ImageColour::bgr);
-  for (const auto& [c, d] : associate_times(times_of(colour), times_of(depth), kSameTime)) {
+  for (const auto& [c, d] : associate_times(times_of(colour), times_of(depth), pair_within)) {
     recording.frames.push_back({static_cast<int>(recording.frames.size()), colour[c].timestamp,
-                                folder / colour[c].name, folder / depth[d].name});
+                                folder / colour[c].name, folder / depth[d].name,
+                                depth[d].timestamp - colour[c].timestamp});
   }
   if (recording.frames.empty()) {
-    throw InputError(folder.string(),
-                     fmt::format("colour and depth images within {:g} s of each other", kSameTime),
-                     nearest_times(colour_list, depth_list));
+    throw InputError(
+        folder.string(),
+        fmt::format("colour and depth images within {:g} s of each other (--pair-within)", pair_within),
+        nearest_times(colour_list, depth_list));
   }
   const std::size_t alone = colour.size() + depth.size() - 2 * recording.frames.size();
   if (alone > 0) {
-    recording.notes.push_back(
-        fmt::format("{} images without a partner within {:g} s are left out", alone, kSameTime));
+    recording.notes.push_back(fmt::format(
+        "{} pairs of {} colour and {} depth images; {} images without a partner within {:g} s are left out",
+        recording.frames.size(), colour.size(), depth.size(), alone, pair_within));
   }
   if (is_present(folder / "groundtruth.txt")) {
     recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt", &recording.notes);

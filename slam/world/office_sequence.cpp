@@ -62,6 +62,7 @@ Recording office_recording(const OfficeSettings& settings) {
           .noise = settings.noise,
           .shutter = settings.shutter,
           .readout = settings.readout,
+          .depth_delay = settings.depth_delay,
           .depth_camera = settings.depth_camera};
 }
 

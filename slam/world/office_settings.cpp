@@ -56,6 +56,7 @@ void OfficeSettings::check() const {
   within("--noise", noise, 0.0F, 50.0F);
   within("--motion-blur", shutter, 0.0F, 1.0F / 30.0F);
   within("--rolling-shutter", readout, 0.0F, 1.0F / 30.0F);
+  within("--depth-delay", 1000.0F * depth_delay, -30.0F, 30.0F);
   within("--texture", texture, 0.0F, 2.0F);
 }
 

@@ -23,6 +23,7 @@ struct OfficeSettings {
   float noise = 1.8F;             // sigma, grey levels
   float shutter = 0.0F;           // seconds that the shutter is open; 0: no motion blur
   float readout = 0.0F;           // seconds from the first row's exposure to the last one's; 0: all at once
+  float depth_delay = 0.0F;       // seconds from each image to its depth
   float texture = 1.0F;           // contrast of the noise on surfaces
   std::optional<DepthCameraSettings> depth_camera = DepthCameraSettings{};  // empty: that of depth_sensor.h
   bool annotations = false, flow = false, amodal = false, landmarks = false;

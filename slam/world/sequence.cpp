@@ -132,10 +132,18 @@ void Sequence::render(int i, SequenceFrame& frame) {
   };
   if (!stereo) {
     develop_bgr(frame.left.radiance, sensor(), frame.left_bgr);
+    const bool at_once = recording_.depth_delay == 0.0F;
+    if (!at_once) {
+      const double time = pose.timestamp + static_cast<double>(recording_.depth_delay);
+      frame.right.wants_reflectance = frame.left.wants_reflectance;
+      right_.render(camera, pose_at_time(time), time, frame.right);
+      develop_bgr(frame.right.radiance, sensor(), frame.right_bgr);
+    }
+    const RenderedView& view = at_once ? frame.left : frame.right;
     if (depth_camera_) {
-      depth_camera_->sense(frame.left.depth, frame.left_bgr, i, frame.sensed_depth);
+      depth_camera_->sense(view.depth, at_once ? frame.left_bgr : frame.right_bgr, i, frame.sensed_depth);
     } else {
-      sense_depth(frame.left, camera, sensor().noise_seed, frame.sensed_depth);
+      sense_depth(view, camera, sensor().noise_seed, frame.sensed_depth);
     }
     return;
   }

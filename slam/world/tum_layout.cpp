@@ -70,7 +70,12 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
     if (recording.amodal)
       write_whole_masks(images, folder / "amodal" / time, frame.instances, sequence.image_size());
     if (recording.annotations) annotations.add("rgb/" + time + ".png", frame.instances);
-    for (auto& [name, list] : lists) list += fmt::format("{0} {1}/{0}.png\n", time, name);
+    const double sensed =
+        from_first[static_cast<std::size_t>(i)].timestamp + static_cast<double>(recording.depth_delay);
+    for (auto& [name, list] : lists) {
+      list +=
+          fmt::format("{} {}/{}.png\n", name == "depth" ? fmt::format("{:.6f}", sensed) : time, name, time);
+    }
     if (progress) progress(i + 1);
   }
   images.finish();

@@ -33,9 +33,9 @@ double similarity(const Frame& frame, const KeyFrame& keyframe) {
   return points > 0 ? static_cast<double>(shared) / points : 0.0;
 }
 
-bool becomes_keyframe(const Frame& frame, const KeyFrame& most_similar, int frames_since,
+bool becomes_keyframe(const Frame& frame, const KeyFrame& most_similar, double seconds_since,
                       const KeyframeSettings& settings) {
-  if (frames_since >= settings.longest_gap) return true;
+  if (seconds_since >= settings.longest_gap_seconds) return true;
   if (similarity(frame, most_similar) < settings.least_similarity) return true;
   const CloseFeatures here = count_close(frame.view(), frame.points, settings.close_depth);
   const CloseFeatures there = count_close(most_similar.view(), most_similar.points, settings.close_depth);

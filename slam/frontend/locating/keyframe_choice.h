@@ -5,8 +5,10 @@
 // An image that resembles a keyframe teaches the map nothing; one whose best similarity to the keyframes is
 // low becomes a keyframe. Far points stay in view for long and near ones leave it soon, but it is these that
 // measure how far the camera goes: a frame that shows few of the close points and has others to offer becomes
-// a keyframe, too, and so does the last of a long row of frames that did not. All of it is relative to the
-// keyframe, so that it means the same for 500 features as for 2000.
+// a keyframe, too, and so does the first after a while without any. All of it is relative to the keyframe or
+// in seconds, so that it means the same for 500 features as for 2000, at 10 frames a second as at 30.
+//
+// More keyframes than these cost time and memory and hardly make the path better (docs/slam/mapping.md).
 //
 // Source: similarity: Jiang, Chen, Yuan, Visual SLAM combining mixed attention instance segmentation (2022);
 // close points: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-E.
@@ -17,18 +19,18 @@
 namespace penumbra::slam {
 
 struct KeyframeSettings {
-  double least_similarity = 0.5;
-  double least_close_share = 0.3;  // of the keyframe's close points
-  double close_depth = 20.0;       // metres; up to which stereo depth counts as close
-  int longest_gap = 20;            // frames
+  double least_similarity = 0.35;
+  double least_close_share = 0.25;  // of the keyframe's close points
+  double close_depth = 20.0;        // metres; up to which stereo depth counts as close
+  double longest_gap_seconds = 5.0;
 };
 
 // Share of the keyframe's points that the frame shows; 0 where it has none.
 double similarity(const Frame& frame, const KeyFrame& keyframe);
 
 // `frame`: one that was located, with the points that it shows; `most_similar`: the keyframe that shares the
-// most points with it; `frames_since`: the newest keyframe, 1 for the frame after it.
-bool becomes_keyframe(const Frame& frame, const KeyFrame& most_similar, int frames_since,
+// most points with it; `seconds_since`: the newest keyframe.
+bool becomes_keyframe(const Frame& frame, const KeyFrame& most_similar, double seconds_since,
                       const KeyframeSettings& settings);
 
 }  // namespace penumbra::slam

@@ -41,10 +41,10 @@ TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
     frame.T_cw = in.predicted;
   }
   finish(frame, located);
-  report.wants_keyframe =
-      sharp_enough(frame, settings_.extends_map && located &&
-                              (report.off_map || becomes_keyframe(frame, *reference_, frames_since_keyframe_,
-                                                                  settings_.keyframes)));
+  report.wants_keyframe = sharp_enough(
+      frame, settings_.extends_map && located &&
+                 (report.off_map || becomes_keyframe(frame, *reference_, frame.timestamp - keyframe_time_,
+                                                     settings_.keyframes)));
   const bool occluded = state_ == TrackingState::occluded;
   const int patience = occluded ? settings_.occluded_before_restart : settings_.lost_before_restart;
   if (settings_.extends_map && lost_with_view_ >= patience) {
@@ -177,7 +177,7 @@ void Tracker::remember(Frame& frame) {
 
 void Tracker::set_keyframe(KeyFrame* keyframe) {
   reference_ = keyframe;
-  frames_since_keyframe_ = 0;
+  keyframe_time_ = keyframe->timestamp;
   last_.set_keyframe(keyframe);
 }
 
@@ -199,7 +199,6 @@ bool Tracker::sharp_enough(const Frame& frame, bool wanted) {
 }
 
 void Tracker::finish(Frame& frame, bool located) {
-  ++frames_since_keyframe_;
   if (reference_ != nullptr) {
     frame.reference = reference_;
     frame.T_c_reference = frame.T_cw * current_pose(*reference_).inverse();

@@ -28,6 +28,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "nn/base/stage_timer.h"
@@ -127,7 +128,7 @@ class Tracker {
   MotionModel motion_;
   Hypothesis best_, other_, spare_;  // of the frame; they keep their memory
   KeyFrame* reference_ = nullptr;    // the keyframe that shares the most points with the last frame
-  int frames_since_keyframe_ = 0;
+  double keyframe_time_ = std::numeric_limits<double>::lowest();  // seconds; of the newest keyframe
   SharpnessTest sharpness_;
   int blurred_candidates_ = 0;  // in a row
   int lost_with_view_ = 0;      // lost frames in a row that showed enough to begin a map

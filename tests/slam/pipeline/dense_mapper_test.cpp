@@ -17,7 +17,7 @@ using Instances = std::optional<std::vector<Instance>>;  // none: the segmenter 
 // A run through the room whose frames, keyframes and masks are given.
 class RoomRun {
  public:
-  KeyFrame& add(const SE3& T_wc, bool pillar, const Instances& seen = {}, bool keyframe = true) {
+  KeyFrame& add(const SE3& T_wc, bool pillar, const Instances& seen = {}, bool segmented = true) {
     KeyFrame& reference = keyframes_.emplace_back();
     reference.T_cw = T_wc.inverse();
     FrameResult result;
@@ -25,13 +25,15 @@ class RoomRun {
     result.timestamp = 0.1 * result.index;
     result.T_wc = T_wc;
     result.place.reference = &reference;
-    result.keyframe = keyframe;
+    result.segmented = segmented;
+    result.tracking.state = TrackingState::tracking;
     if (seen) result.findings.segmented.push_back({result.index, *seen});
     StereoImages images;
     images.timestamp = result.timestamp;
     images.left = ByteImage::filled(kRoomCamera.width, kRoomCamera.height, 90);
     images.depth = room(T_wc, pillar);
-    mapper_.add(kRoomCamera, images, record_.add(std::move(result)));
+    if (mapper_.add(kRoomCamera, images, result)) record_.keep_masks_of(result.index);
+    record_.add(std::move(result));
     return reference;
   }
   static DenseSettings fine_settings() {
@@ -45,7 +47,7 @@ class RoomRun {
 
  private:
   Slam slam_{kRoomCamera, Sensor::rgbd, {}};
-  Recorder record_{slam_, true};
+  Recorder record_{slam_};
   DenseMapper mapper_{fine_settings()};
   std::deque<KeyFrame> keyframes_;
 };
@@ -68,7 +70,7 @@ TEST(DenseMapper, MakesAMapOfAFewKeyframes) {
   RoomRun run;
   for (const double x : {-0.1, 0.0, 0.1}) run.add(at(x), false);
   run.add(at(0.11), false);            // too near to the last
-  run.add(at(0.3), false, {}, false);  // no keyframe
+  run.add(at(0.3), false, {}, false);  // not shown to the segmenter
   EXPECT_EQ(run.views(), 3);
   const DenseMap map = run.build();
   EXPECT_EQ(map.views, 3);

@@ -24,9 +24,11 @@ std::vector<Instance> two_people() {
           {.class_name = "chair", .region = {70, 20, 10, 10}, .mask = {}}};
 }
 
-TEST(Recorder, KeepsMasksOfKeyframesAtHalfTheSize) {
+TEST(Recorder, KeepsMasksAtHalfTheSize) {
   Slam slam(kRecordedCamera, Sensor::rgbd, {});
-  Recorder record(slam, true);
+  Recorder record(slam);
+  record.keep_masks_of(0);
+  record.keep_masks_of(2);
   record.add(recorded_frame(0, true));
   record.add(recorded_frame(1, false));
   FrameResult later =

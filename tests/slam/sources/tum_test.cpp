@@ -107,6 +107,40 @@ TEST_F(Tum, ImagesWithoutPartnerAreLeftOut) {
   expect_refused({"within 0.02 s", "none"});
 }
 
+TEST_F(Tum, ALinkMaySayWhichCameraItWas) {
+  const cv::Mat colour(480, 640, CV_8UC3, cv::Scalar::all(100)), depth(480, 640, CV_16UC1, cv::Scalar(5000));
+  for (int i = 0; i < kFrames; ++i) {
+    test::write_mat(root() / fmt::format("rgb/{}.png", i), colour);
+    test::write_mat(root() / fmt::format("depth/{}.png", i), depth);
+  }
+  fs::remove(root() / "calibration.yaml");
+  fs::rename(root(), folder_ / "desk");
+  expect_refused({"freiburg1", "'desk'"}, "desk");
+  fs::create_directory_symlink("desk", folder_ / "my_fr3");
+  EXPECT_EQ(open_dataset(folder_ / "my_fr3")->camera().fx, 535.4);
+  EXPECT_EQ(open_dataset(folder_ / "my_fr3/")->camera().fx, 535.4);
+}
+
+// As the benchmark's own tool does it: where two colour images are nearest to one depth image, the second
+// takes the next, if that is near enough.
+TEST_F(Tum, PairsOneToOneNearestFirst) {
+  const auto list = [&](const char* name, const char* folder, std::initializer_list<double> offsets) {
+    std::string text;
+    int i = 0;
+    for (const double offset : offsets)
+      text += fmt::format("{:.6f} {}/{}.png\n", time(0) + offset, folder, i++);
+    nn::write_file(root() / name, text);
+  };
+  list("rgb.txt", "rgb", {0.000, 0.030});
+  list("depth.txt", "depth", {0.016, 0.038});  // both are nearest to 0.030
+  EXPECT_EQ(open_dataset(root())->size(), 2);
+  DatasetOptions options;
+  options.pair_within = 0.015;
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root(), options);
+  EXPECT_EQ(dataset->size(), 1);
+  EXPECT_NE(dataset->notes().front().find("1 pairs of 2 colour and 2 depth images"), std::string::npos);
+}
+
 TEST_F(Tum, BadFilesAreRefused) {
   nn::write_file(root() / "rgb.txt", "1.0 rgb/0.png\n0.9 rgb/1.png\n");
   expect_refused({"rgb.txt:2", "a time after"});

@@ -12,6 +12,7 @@
 #include "nn/base/error.h"
 #include "slam/frontend/features/orb_extractor.h"
 #include "slam/geometry/trajectory_io.h"
+#include "slam/sources/open_dataset.h"
 #include "slam/world/hand_held_path.h"
 #include "slam/world/layouts.h"
 #include "tests/slam/world/synthetic_support.h"
@@ -229,6 +230,27 @@ TEST(OfficeSequence, TheWritersFilesFitTogether) {
     EXPECT_EQ(instances[id]["moving"], annotation["moving"]);
   }
   EXPECT_EQ(read_tum_trajectory(folder / "out/groundtruth.txt").size(), 3U);
+}
+
+TEST(OfficeSequence, DepthMayComeAfterTheColours) {
+  const TemporaryDirectory folder;
+  OfficeSettings settings = small("sitting-rpy", 4, 3);
+  OfficeSequence at_once(settings);
+  settings.depth_delay = 0.016F;
+  OfficeSequence late(settings);
+  SequenceFrame now, then;
+  at_once.render(2, now);
+  late.render(2, then);
+  EXPECT_EQ(hash_image(now.left_bgr), hash_image(then.left_bgr));
+  EXPECT_NE(hash_image(now.sensed_depth), hash_image(then.sensed_depth));
+  write_tum_layout(late, folder / "out", false);
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(folder / "out");
+  ASSERT_EQ(dataset->size(), 3);
+  const StereoImages images = dataset->load(1);
+  EXPECT_NEAR(images.timestamp, 1.0 / 30.0, 1e-5);
+  EXPECT_NEAR(images.depth_delay, 0.016, 1e-5);
+  settings.depth_delay = 0.1F;
+  EXPECT_THROW(OfficeSequence{settings}, UsageError);
 }
 
 TEST(OfficeSequence, ARollingShutterTakesEveryRowAtATimeOfItsOwn) {

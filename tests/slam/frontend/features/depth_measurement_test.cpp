@@ -46,6 +46,37 @@ TEST(DepthMeasurement, LeavesOutWhatIsUnknown) {
   }
 }
 
+// A wall that stands askew, seen by a camera that has turned and gone on when it takes the depths.
+TEST(DepthMeasurement, LooksWhereTheDepthCameraSawThePoint) {
+  Vector6d motion;
+  motion << 0.02, -0.01, 0.03, 0.01, 0.03, -0.02;
+  const SE3 T_dc = SE3::exp(motion);
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.5, 0.2, 1.0).normalized();  // of the wall, 2 m away
+  const Eigen::Vector3d normal_d = T_dc.rotation * normal;
+  const double distance_d = 2.0 + normal_d.dot(T_dc.translation);
+  FloatImage depth = FloatImage::filled(640, 480, 0.0F);
+  for (int v = 0; v < 480; ++v) {
+    for (int u = 0; u < 640; ++u) {
+      depth.at(u, v) = static_cast<float>(distance_d / normal_d.dot(kRgbdCamera.back_project(u, v, 1.0)));
+    }
+  }
+  const Features features = features_at({{200, 100}, {320, 240}, {450.5F, 300.25F}});
+  StereoMatches moved, at_once;
+  measure_depth(kRgbdCamera, features, depth, moved, T_dc);
+  measure_depth(kRgbdCamera, features, depth, at_once);
+  ASSERT_EQ(moved.count, 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Keypoint& k = features.keypoints[i];
+    const double truth = 2.0 / normal.dot(kRgbdCamera.back_project(k.u, k.v, 1.0));
+    EXPECT_NEAR(moved.depth[i], truth, 0.003) << i;
+    EXPECT_GT(std::abs(at_once.depth[i] - truth), 0.02) << i;
+  }
+  // A hole there stays one; one where the feature is now does not matter.
+  depth.fill(0.0F);
+  measure_depth(kRgbdCamera, features, depth, moved, T_dc);
+  EXPECT_EQ(moved.count, 0);
+}
+
 TEST(DepthMeasurement, WithoutFeaturesThereIsNothing) {
   StereoMatches matches;
   matches.count = 5;

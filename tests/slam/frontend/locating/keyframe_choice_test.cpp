@@ -43,14 +43,14 @@ class KeyframeChoice : public ::testing::Test {
     }
     return frame;
   }
-  bool becomes(const Frame& f, int frames_since = 1) const {
-    return becomes_keyframe(f, *keyframe, frames_since, settings);
+  bool becomes(const Frame& f, double seconds_since = 0.1) const {
+    return becomes_keyframe(f, *keyframe, seconds_since, settings);
   }
 
   Map map{StereoCamera(), {1.0}};
   KeyFrame* keyframe;
   KeyframeSettings settings{
-      .least_similarity = 0.4, .least_close_share = 0.3, .close_depth = 20.0, .longest_gap = 20};
+      .least_similarity = 0.4, .least_close_share = 0.3, .close_depth = 20.0, .longest_gap_seconds = 2.0};
 };
 
 TEST_F(KeyframeChoice, CountsWhatBothShow) {
@@ -83,8 +83,8 @@ TEST_F(KeyframeChoice, TakesAFrameThatLostTheClosePoints) {
 }
 
 TEST_F(KeyframeChoice, DoesNotWaitForEver) {
-  EXPECT_FALSE(becomes(frame(50, 50), 19));
-  EXPECT_TRUE(becomes(frame(50, 50), 20));
+  EXPECT_FALSE(becomes(frame(50, 50), 1.9));
+  EXPECT_TRUE(becomes(frame(50, 50), 2.0));
 }
 
 TEST_F(KeyframeChoice, OfAKeyframeWithoutPointsIsYes) {
