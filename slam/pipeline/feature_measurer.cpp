@@ -61,18 +61,16 @@ std::shared_ptr<const FrameFeatures> FeatureMeasurer::measure(const StereoImages
   StereoMatches stereo;
   if (sensor_ == Sensor::stereo) {
     const ByteImage right = to_grey(images.right);
-    Features right_features;
     {
       const auto scope = timer.measure("orb");
       const auto policy = threads_ > 1 ? std::launch::async : std::launch::deferred;
-      std::future<void> right_done =
-          std::async(policy, [&] { right_orb_.extract(right, right_features, more); });
+      std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_, more); });
       left_orb_.extract(left, measured->left, more);
       right_done.get();
     }
     const auto scope = timer.measure("stereo");
-    match_stereo(camera, measured->left, right_features, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
-    stereo_order_.check(images.index, camera, measured->left, right_features, left_orb_.pyramid(),
+    match_stereo(camera, measured->left, right_, left_orb_.pyramid(), right_orb_.pyramid(), stereo);
+    stereo_order_.check(images.index, camera, measured->left, right_, left_orb_.pyramid(),
                         right_orb_.pyramid(), stereo);
   } else {
     {

@@ -29,11 +29,14 @@ class FeatureMeasurer {
                                                double more, StageTimer& timer, const SE3& T_dc = {});
   // Of the left image that was measured last.
   const ImagePyramid& pyramid() const { return left_orb_.pyramid(); }
+  // Of the right image that was measured with it; none of depth.
+  const Features& right() const { return right_; }
 
  private:
   const Sensor sensor_;
   const int threads_;
   OrbExtractor left_orb_, right_orb_;
+  Features right_;
   StereoOrder stereo_order_;
 };
 

@@ -85,6 +85,7 @@ void add(FieldList f, TrackerSettings& s, RigidMoverSettings& rigid_mover) {
   add(recognition.group("anywhere"), s.recognition.anywhere);
   f.count("lost_before_restart", s.lost_before_restart, "frames", 1.0);
   f.count("occluded_before_restart", s.occluded_before_restart, "frames", 1.0);
+  f.count("steps_before_restart", s.steps_before_restart, "frames");
   f.count("fewest_covered_points", s.fewest_covered_points, "stereo points");
   FieldList keyframes = f.group("keyframes");
   keyframes.share("least_similarity", s.keyframes.least_similarity);
@@ -92,6 +93,12 @@ void add(FieldList f, TrackerSettings& s, RigidMoverSettings& rigid_mover) {
   keyframes.number("longest_gap_seconds", s.keyframes.longest_gap_seconds, "seconds", 0.0, 1e9);
   f.metres("motion_change_metres", s.motion_change_metres);
   f.number("motion_change_radians", s.motion_change_radians, "radians", 0.0, 3.15);
+  FieldList rim = f.group("rim");
+  rim.share("least_covered", s.rim.least_covered);
+  rim.count("fewest_inliers", s.rim.fewest_inliers, "pairs");
+  rim.share("least_agreeing", s.rim.least_agreeing);
+  rim.metres("metres", s.rim.metres);
+  rim.number("radians", s.rim.radians, "radians", 0.0, 3.15);
   f.share("least_sharpness", s.least_sharpness);
   f.count("longest_sharpness_wait", s.longest_sharpness_wait, "frames");
 }

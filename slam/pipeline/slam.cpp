@@ -143,6 +143,7 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   frame.timestamp = timestamp;
   frame.features = features;
   frame.pyramid = &measurer_.pyramid();
+  frame.right = &measurer_.right();
   frame.movable = instances_.movable();
   movers_.before_pose(unlocated, frame.movable);
   const Stopwatch reach;
@@ -153,8 +154,10 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   frame.T_cw = frame.T_c_reference = {};
   frame.reference = nullptr;
   frame.patches.reset();
-  if (const std::vector<char>* known = instances_.movable(tracker_.last().index()))
-    tracker_.last().set_movable(tracker_.last().index(), *known);
+  for (LastFrame* last : tracker_.compared()) {
+    if (const std::vector<char>* known = instances_.movable(last->index()))
+      last->set_movable(last->index(), *known);
+  }
   result.covered_share = frame.covered_share;
   result.features = features->size();
   for (int i = 0; i < features->size(); ++i) {

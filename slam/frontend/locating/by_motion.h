@@ -17,4 +17,8 @@ void locate_by_motion(const LocatingInput& in, Hypothesis& found, Hypothesis& sp
 void locate_around(const LocatingInput& in, const SE3& start, bool may_leave_map, Hypothesis& found,
                    Hypothesis& spare);
 
+// The second half of it: from the pose that the last frame tells to the map's, or off the map.
+void continue_in_map(const LocatingInput& in, const std::optional<PosePrior>& prior, bool may_leave_map,
+                     Hypothesis& found, Hypothesis& spare);
+
 }  // namespace penumbra::slam

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "slam/frontend/locating/by_motion.h"
 #include "slam/frontend/locating/last_frame_search.h"
-#include "slam/frontend/locating/local_map_search.h"
 
 namespace penumbra::slam {
 
@@ -24,7 +24,7 @@ void locate_by_turning(const LocatingInput& in, const SE3& start, Hypothesis& fo
   }
   if (!found.success) return;
   prior->T_cw = best;
-  search_local_map(in, prior, found);
+  continue_in_map(in, prior, /*may_leave_map=*/true, found, spare);
 }
 
 }  // namespace penumbra::slam

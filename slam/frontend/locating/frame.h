@@ -26,6 +26,7 @@ struct Frame {
   double timestamp = 0.0;                         // seconds
   std::shared_ptr<const FrameFeatures> features;  // as they were measured
   const ImagePyramid* pyramid = nullptr;          // of the left image; only while the frame is tracked
+  const Features* right = nullptr;                // of the right image, likewise; null: there are none
   std::vector<char> movable;        // per feature: 1 on what moves; locating it may find more of them
   double covered_share = 0.0;       // of the image, by what is known to move
   std::vector<SeenObject> objects;  // that it is known to show

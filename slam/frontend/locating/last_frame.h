@@ -34,6 +34,11 @@ class LastFrame {
   // It has become `keyframe`, which is in the map when the next frame comes.
   void set_keyframe(KeyFrame* keyframe);
   void refresh();
+  // There is none.
+  void forget() {
+    frame_ = {};
+    keyframe_ = nullptr;
+  }
 
   // World; nothing where neither the map nor stereo knows, and on what moves.
   std::optional<Eigen::Vector3d> point(int feature) const;

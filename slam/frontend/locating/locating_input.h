@@ -29,7 +29,7 @@ struct LocatingInput {
   StageTimer& timer;  // measures the stages
 
   SE3 predicted;  // pose that the motion so far leads to
-  bool motion_known = false, motion_measured = false;
+  bool motion_known = false;
   // What is expected of the pose, where the view is covered.
   std::optional<PosePrior> prior = std::nullopt;
   int last_pairs = 0, last_inliers = 0;        // of the last frame: pairs with the one before, map points

@@ -3,8 +3,7 @@
 //   T_k,w = exp( s log(T_k-1,k-2) ) T_k-1,w       s = (t_k - t_k-1) / (t_k-1 - t_k-2)
 //
 // Where frames in a row could not be located the last motion alone is a poor guide: its errors add up.
-// coast() predicts from the mean of the last motions, in which a new one counts two fifths. Where tracking
-// begins anew after them, that mean is presumed until a motion is measured again.
+// coast() predicts from the mean of the last motions, in which a new one counts two fifths.
 //
 // s is 1 where the times do not say otherwise (missing, equal, running backwards, or a jump of more than 5
 // steps).
@@ -32,14 +31,8 @@ class MotionModel {
         known_ ? Vector6d(mean_velocity_ + kShareOfNew * (velocity_ - mean_velocity_)) : velocity_;
     step_ = time - last_time;
     known_ = velocity_.allFinite() && mean_velocity_.allFinite();
-    measured_ = true;
-  }
-  void presume_mean() {
-    velocity_ = mean_velocity_;
-    measured_ = false;
   }
   bool known() const { return known_; }
-  bool measured() const { return known_ && measured_; }
 
  private:
   static constexpr double kShareOfNew = 0.4;
@@ -49,7 +42,7 @@ class MotionModel {
     return step_ > 0.0 && ratio > 0.05 && ratio < 5.0 ? ratio : 1.0;
   }
 
-  bool known_ = false, measured_ = false;
+  bool known_ = false;
   Vector6d velocity_ = Vector6d::Zero(), mean_velocity_ = Vector6d::Zero();  // per `step_`
   double step_ = 0.0;  // seconds; NaN or not positive where the times are no help
 };

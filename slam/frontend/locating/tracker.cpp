@@ -23,10 +23,12 @@ TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
   }
 
   refresh_map();
-  const LocatingInput in = input(frame);
+  look_at_rim(frame);
+  const LocatingInput in = input(frame, last_);
   locate(in);
   if (best_.success && follows_occluder(in)) best_.success = false;
-  const bool located = best_.success;
+  const bool located = best_.success || find_from_adrift(frame);
+  const bool stepped = !located && (best_.off_map || step_);
   if (located) {
     pairs_ = best_.report.frame_inliers;
     map_inliers_ = best_.off_map ? 0 : best_.inliers;
@@ -37,27 +39,29 @@ TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
     report.recovered = state_ == TrackingState::lost || state_ == TrackingState::occluded;
     if (settings_.extends_map && !best_.off_map) count_sightings();
     take(frame);
+  } else if (best_.off_map) {
+    static_cast<PairsReport&>(report) = std::move(best_.report);
+    take(frame);
   } else {
     frame.T_cw = in.predicted;
   }
-  finish(frame, located);
+  finish(frame, located, stepped);
   report.wants_keyframe = sharp_enough(
       frame, settings_.extends_map && located &&
                  (report.off_map || becomes_keyframe(frame, *reference_, frame.timestamp - keyframe_time_,
                                                      settings_.keyframes)));
   const bool occluded = state_ == TrackingState::occluded;
   const int patience = occluded ? settings_.occluded_before_restart : settings_.lost_before_restart;
-  if (settings_.extends_map && lost_with_view_ >= patience) {
+  if (settings_.extends_map && lost_with_view_ >= patience && steps_ >= settings_.steps_before_restart) {
     report.wants_keyframe = report.starts_submap = start(frame);
   }
   report.state = state_;
   return report;
 }
 
-LocatingInput Tracker::input(const Frame& frame) const {
-  LocatingInput in{frame, last_, map_, index_, settings_, timer_, predicted(frame.timestamp)};
+LocatingInput Tracker::input(const Frame& frame, const LastFrame& last) const {
+  LocatingInput in{frame, last, map_, index_, settings_, timer_, predicted(frame.timestamp)};
   in.motion_known = motion_.known();
-  in.motion_measured = motion_.measured();
   in.prior = expectation(frame, in.predicted);
   in.last_pairs = pairs_;
   in.last_inliers = map_inliers_;
@@ -67,11 +71,29 @@ LocatingInput Tracker::input(const Frame& frame) const {
   return in;
 }
 
+// Where most of the view is covered the rim that is left tells how the camera moved on.
+void Tracker::look_at_rim(const Frame& frame) {
+  step_.reset();
+  std::swap(rim_, rim_before_);
+  rim_.clear();
+  if (frame.covered_share < settings_.rim.least_covered || frame.right == nullptr) return;
+  const auto scope = timer_.measure("rim");
+  collect_rim(frame.view(), *frame.right, rim_);
+  // How far the camera goes the mean tells better than the last step, which few points have measured.
+  const SE3 predicted = motion_.coast(previous_T_cw_, previous_time_, frame.timestamp);
+  const std::optional<PosePrior> expected = expectation(frame, predicted);
+  if (!expected || rim_before_.empty()) return;
+  step_ =
+      rim_step(map_.camera(), map_.scales(), rim_before_, rim_,
+               {predicted * previous_T_cw_.inverse(), expected->metres, expected->radians}, settings_.rim);
+}
+
 // What hides the view leaves few points, which a mismatch can lead astray: there, what the motion so far
 // leads to expect counts, too. The longer ago it was measured, the less.
 std::optional<PosePrior> Tracker::expectation(const Frame& frame, const SE3& predicted) const {
   if (!is_covered(frame) || !motion_.known()) return std::nullopt;
-  const double steps = 1.0 + unlocated_;
+  if (step_) return PosePrior{predicted, settings_.rim.metres, settings_.rim.radians};
+  const double steps = 1.0 + unmeasured_;
   return PosePrior{predicted, steps * settings_.motion_change_metres,
                    steps * settings_.motion_change_radians};
 }
@@ -83,6 +105,20 @@ void Tracker::locate(const LocatingInput& in) {
   if (best_.success && !best_.off_map && clear) return;
   locate_by_place(in, other_);
   if (other_.success && (best_.off_map || other_.inliers > best_.inliers)) std::swap(best_, other_);
+}
+
+// Against the frame before, which was not located itself. True where that leads back into the map; else
+// `best_` is off the map where it was found how the camera moved since that frame.
+bool Tracker::find_from_adrift(const Frame& frame) {
+  best_.off_map = false;
+  if (adrift_.empty()) return false;
+  LocatingInput in = input(frame, adrift_);
+  in.last_pairs = in.last_inliers = 0;
+  best_.begin(frame, in.reference);
+  locate_from_last_frame(in);
+  if (best_.success && !follows_occluder(in)) return !best_.off_map;
+  best_.off_map = false;
+  return false;
 }
 
 // The second pose, from the first, with what stands still after all. The first stays where it fails.
@@ -105,9 +141,9 @@ void Tracker::look_again(const LocatingInput& in, const SecondLook& second_look,
 // Returns whether the hypothesis leaves no doubt.
 bool Tracker::locate_from_last_frame(const LocatingInput& in) {
   SE3 start = in.predicted;
-  if (in.motion_measured) locate_by_motion(in, best_, spare_);
+  if (in.motion_known) locate_by_motion(in, best_, spare_);
   // Where the view is covered, descriptors would mostly find what covers it.
-  if (!is_clear(in) && (!in.prior || !in.motion_measured)) {
+  if (!is_clear(in) && !in.prior) {
     const std::optional<SE3> rough = pose_by_descriptors(in);
     if (rough) start = *rough;
     locate_by_descriptors(in, rough, other_, spare_);
@@ -128,7 +164,7 @@ bool Tracker::is_clear(const LocatingInput& in) const {
 // Whether the pose is probably that of something large in front of the camera: the motion so far does not
 // lead to it.
 bool Tracker::follows_occluder(const LocatingInput& in) const {
-  if (!is_covered(in.frame) || state_ != TrackingState::tracking || !motion_.known()) return false;
+  if (!is_covered(in.frame) || unmeasured_ > 0 || !motion_.known()) return false;
   return (best_.T_cw * in.predicted.inverse()).translation.norm() > settings_.largest_surprise;
 }
 
@@ -162,7 +198,6 @@ bool Tracker::shows_enough(const Frame& frame) const {
 bool Tracker::start(Frame& frame) {
   if (!shows_enough(frame)) return false;
   state_ = TrackingState::tracking;
-  motion_.presume_mean();
   remember(frame);
   return true;
 }
@@ -172,7 +207,8 @@ void Tracker::remember(Frame& frame) {
   last_.remember(frame);
   previous_T_cw_ = frame.T_cw;
   previous_time_ = frame.timestamp;
-  lost_with_view_ = 0;
+  lost_with_view_ = unmeasured_ = steps_ = 0;
+  adrift_.forget();
 }
 
 void Tracker::set_keyframe(KeyFrame* keyframe) {
@@ -185,6 +221,8 @@ void Tracker::set_keyframe(KeyFrame* keyframe) {
 void Tracker::refresh_map() {
   last_.refresh();
   if (state_ == TrackingState::tracking) previous_T_cw_ = last_.T_cw();
+  adrift_.refresh();
+  if (!adrift_.empty()) previous_T_cw_ = adrift_.T_cw();
   while (reference_ != nullptr && reference_->erased) reference_ = reference_->stand_in;
   map_.readers_let_go();
 }
@@ -198,7 +236,7 @@ bool Tracker::sharp_enough(const Frame& frame, bool wanted) {
   return takes;
 }
 
-void Tracker::finish(Frame& frame, bool located) {
+void Tracker::finish(Frame& frame, bool located, bool stepped) {
   if (reference_ != nullptr) {
     frame.reference = reference_;
     frame.T_c_reference = frame.T_cw * current_pose(*reference_).inverse();
@@ -209,14 +247,20 @@ void Tracker::finish(Frame& frame, bool located) {
       motion_.observe(frame.T_cw, last_.T_cw(), last_.timestamp(), frame.timestamp);
     }
     state_ = TrackingState::tracking;
-    unlocated_ = 0;
     remember(frame);
   } else {
     state_ = is_covered(frame) ? TrackingState::occluded : TrackingState::lost;
+    steps_ = best_.off_map ? steps_ + 1 : 0;
+    if (stepped) {
+      motion_.observe(frame.T_cw, previous_T_cw_, previous_time_, frame.timestamp);
+      unmeasured_ = 0;
+    } else {
+      ++unmeasured_;
+    }
     previous_T_cw_ = frame.T_cw;
     previous_time_ = frame.timestamp;
     lost_with_view_ += shows_enough(frame);
-    ++unlocated_;
+    adrift_.remember(frame);
   }
 }
 

@@ -19,14 +19,20 @@
 // still gives it back, and the local map is searched again, from there.
 //
 // A frame that cannot be located is lost: its pose is the predicted one, and the tracker looks for it in the
-// whole map. If that fails for several frames in a row although they show enough, a new sub-map begins at the
-// predicted pose: what was computed before stays, and the loop closer merges the two when it recognises a
-// place. In a map that was loaded the first frame is looked for in the same way.
+// whole map. The next frame is compared with it as well, and where they share enough points it is known how
+// the camera moved meanwhile. If several frames in a row are lost although they show enough, and the last of
+// them follow from each other in this way, a new sub-map begins: a map of one frame would help nobody. What
+// was computed before stays, and the loop closer merges the two when it recognises a place. In a map that was
+// loaded the first frame is looked for in the same way.
+//
+// Where most of the view is covered by what moves, the rim that is left tells how the camera moved on
+// (rim_odometry.h): that, and not the motion so far, is then what the frame is looked around with.
 //
 // Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017); mismatch filter: see
 // slam/frontend/features/mismatch_filter.h.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -77,6 +83,7 @@ class Tracker {
         who_knows_(std::move(who_knows)),
         first_own_keyframe_(map.next_keyframe_id()),
         last_(map),
+        adrift_(map),
         sharpness_(settings.least_sharpness) {}
 
   // Locates `frame` (what was measured is given): fills what the tracker adds (frame.h).
@@ -88,19 +95,22 @@ class Tracker {
   // Tells that the last frame tracked has become `keyframe`, which is in the map when the next one is
   // tracked.
   void set_keyframe(KeyFrame* keyframe);
-  // The last frame that was located, to which the next is compared.
-  LastFrame& last() { return last_; }
+  // What the next frame is compared with: the last frame that was located, and the newest where it was not.
+  std::array<LastFrame*, 2> compared() { return {&last_, &adrift_}; }
 
  private:
   SE3 predicted(double time) const {
-    return state_ == TrackingState::tracking ? motion_.predict(previous_T_cw_, previous_time_, time)
-                                             : motion_.coast(previous_T_cw_, previous_time_, time);
+    if (step_) return *step_ * previous_T_cw_;
+    return unmeasured_ == 0 ? motion_.predict(previous_T_cw_, previous_time_, time)
+                            : motion_.coast(previous_T_cw_, previous_time_, time);
   }
-  LocatingInput input(const Frame& frame) const;
+  void look_at_rim(const Frame& frame);
+  LocatingInput input(const Frame& frame, const LastFrame& last) const;
   std::optional<PosePrior> expectation(const Frame& frame, const SE3& predicted) const;
   void locate(const LocatingInput& in);
   void look_again(const LocatingInput& in, const SecondLook& second_look, TrackingReport& report);
   bool locate_from_last_frame(const LocatingInput& in);
+  bool find_from_adrift(const Frame& frame);
   bool is_clear(const LocatingInput& in) const;
   bool follows_occluder(const LocatingInput& in) const;
   void take(Frame& frame);
@@ -111,7 +121,7 @@ class Tracker {
   void refresh_map();
   bool is_covered(const Frame& frame) const { return frame.covered_share >= settings_.occluded_share; }
   bool sharp_enough(const Frame& frame, bool wanted);
-  void finish(Frame& frame, bool located);
+  void finish(Frame& frame, bool located, bool stepped);
 
   Map& map_;
   const PlaceIndex& index_;
@@ -122,6 +132,7 @@ class Tracker {
 
   TrackingState state_ = TrackingState::initialising;
   LastFrame last_;                   // the last frame that was located
+  LastFrame adrift_;                 // the frame before this one, where that was not located
   SE3 previous_T_cw_;                // of the frame before this one, located or predicted
   double previous_time_ = 0.0;       // seconds
   int pairs_ = 0, map_inliers_ = 0;  // of the last frame: with the one before, map points
@@ -132,7 +143,10 @@ class Tracker {
   SharpnessTest sharpness_;
   int blurred_candidates_ = 0;  // in a row
   int lost_with_view_ = 0;      // lost frames in a row that showed enough to begin a map
-  int unlocated_ = 0;           // frames since the last that was located
+  std::optional<SE3> step_;     // since the frame before, as the rim of the view tells it
+  RimView rim_, rim_before_;    // of this frame, and of the one before
+  int unmeasured_ = 0;          // frames since the motion was measured last
+  int steps_ = 0;               // frames in a row that share points with one that was not located
 };
 
 }  // namespace penumbra::slam

@@ -3,6 +3,7 @@
 
 #include "slam/frontend/features/mismatch_filter.h"
 #include "slam/frontend/locating/keyframe_choice.h"
+#include "slam/frontend/locating/rim_odometry.h"
 #include "slam/place/recognition.h"
 
 namespace penumbra::slam {
@@ -24,10 +25,12 @@ struct TrackerSettings {
   RecognitionSettings recognition;   // of a lost frame
   int lost_before_restart = 5;       // lost frames with enough points after which a new sub-map begins
   int occluded_before_restart = 1;   // the same for occluded ones
+  int steps_before_restart = 2;      // frames in a row, each found from the one before it, that it needs
   int fewest_covered_points = 20;    // stereo points that such a frame needs
   KeyframeSettings keyframes;        // which frames become one
   // How much the motion may change from frame to frame: what it is worth where the view is covered.
   double motion_change_metres = 0.1, motion_change_radians = 0.02;
+  RimSettings rim;
   bool extends_map = true;  // false: the map stays as it is, the camera is only located in it
   // A frame below this share of the usual sharpness (slam/frontend/features/sharpness.h) leaves it to one of
   // the next frames to become the keyframe; 0: no blur test.

@@ -12,7 +12,7 @@ TEST_F(ByDescriptors, FindsTheFrameWithoutAPrediction) {
   const SE3 truth = world.T_cw(13.0);
   const Frame frame = frame_at(truth);
   LocatingInput in = input(frame, world.T_cw(10.0));
-  in.motion_known = in.motion_measured = false;
+  in.motion_known = false;
   const std::optional<SE3> rough = pose_by_descriptors(in);
   ASSERT_TRUE(rough);
   EXPECT_LT((*rough * truth.inverse()).translation.norm(), 0.5);
@@ -43,7 +43,6 @@ TEST_F(ByDescriptors, WithoutARoughPoseGoesByTheMotionIfThereIsOne) {
   const SE3 truth = world.T_cw(10.5);
   const Frame frame = frame_at(truth);
   LocatingInput in = input(frame, world.T_cw(10.45));
-  in.motion_measured = false;
   locate_by_descriptors(in, std::nullopt, found, spare);
   EXPECT_TRUE(found.success);
   in.motion_known = false;

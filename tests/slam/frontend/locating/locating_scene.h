@@ -52,7 +52,7 @@ class LocatingScene : public ::testing::Test {
   // `frame` is expected at `predicted`, by a motion that was measured.
   slam::LocatingInput input(const slam::Frame& frame, const slam::SE3& predicted) {
     slam::LocatingInput in{frame, last, map, index, settings, timer, predicted};
-    in.motion_known = in.motion_measured = true;
+    in.motion_known = true;
     in.last_pairs = in.last_inliers = last_inliers;
     in.reference = reference;
     return in;

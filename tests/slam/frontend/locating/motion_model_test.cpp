@@ -22,26 +22,5 @@ TEST(MotionModel, PredictsTheLastMotionAndCoastsOnTheMean) {
   EXPECT_NEAR(motion.predict(at(12.0), 1.1, 1.15).translation.z(), 13.0, 1e-9);  // half the time
 }
 
-TEST(MotionModel, ANewBeginningPresumesTheMeanUntilAMotionIsMeasured) {
-  MotionModel motion;
-  motion.observe(at(1.0), at(0.0), 0.0, 0.1);
-  motion.observe(at(3.0), at(1.0), 0.1, 0.2);
-  EXPECT_TRUE(motion.measured());
-  motion.presume_mean();
-  EXPECT_TRUE(motion.known());
-  EXPECT_FALSE(motion.measured());
-  EXPECT_NEAR(motion.predict(at(3.0), 0.2, 0.3).translation.z(), 4.4, 1e-9);
-  motion.observe(at(4.0), at(3.0), 0.2, 0.3);
-  EXPECT_TRUE(motion.measured());
-  EXPECT_NEAR(motion.predict(at(4.0), 0.3, 0.4).translation.z(), 5.0, 1e-9);
-}
-
-TEST(MotionModel, WithoutAMotionThereIsNoneToPresume) {
-  MotionModel motion;
-  motion.presume_mean();
-  EXPECT_FALSE(motion.known());
-  EXPECT_FALSE(motion.measured());
-}
-
 }  // namespace
 }  // namespace penumbra::slam
