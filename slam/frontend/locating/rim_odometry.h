@@ -54,7 +54,7 @@ struct RimSettings {
 void collect_rim(const FeatureView& features, const Features& right, RimView& rim);
 
 // The step from `before` to `now`, T_now,before of the left cameras. `expected`: the same, by the motion so
-// far. Nothing where too few agree on one.
+// far, whose translation it keeps. Nothing where too few agree on one.
 std::optional<SE3> rim_step(const StereoCamera& camera, std::span<const double> scales, const RimView& before,
                             const RimView& now, const PosePrior& expected, const RimSettings& settings);
 

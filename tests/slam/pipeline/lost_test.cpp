@@ -100,6 +100,20 @@ TEST_F(Lost, ANewPieceIsMergedWhenItComesToAKnownPlace) {
   EXPECT_LT(error(slam, 20), 0.3);
 }
 
+TEST_F(Lost, APieceBeginsOnlyWhereFramesFollowFromEachOther) {
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
+  drive(slam, 0.0, 25.0);
+  const std::vector<double> elsewhere = {55.0, 80.0, 60.0, 90.0, 70.0, 50.0, 75.0, 57.0};
+  for (const double steps : elsewhere) show(slam, steps);
+  EXPECT_EQ(slam.lost(), 8);
+  EXPECT_EQ(slam.submaps().size(), 1U);
+  drive(slam, 58.0, 64.0);
+  slam.finish();
+  EXPECT_EQ(slam.lost(), 9);  // the second that follows from the one before begins the new piece
+  ASSERT_EQ(slam.submaps().size(), 2U);
+  EXPECT_EQ(slam.submaps()[1].first_frame, 34);
+}
+
 TEST_F(Lost, APieceThatIsNeverTiedKeepsItsGuess) {
   test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
   drive(slam, 0.0, 25.0);
