@@ -143,7 +143,7 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
   frame.timestamp = timestamp;
   frame.features = features;
   frame.pyramid = &measurer_.pyramid();
-  frame.right = &measurer_.right();
+  frame.right = image.image.empty() ? nullptr : &measurer_.right();
   frame.movable = instances_.movable();
   movers_.before_pose(unlocated, frame.movable);
   const Stopwatch reach;

@@ -19,6 +19,9 @@ constexpr double kNearestRim = 1.5;                       // metres
 constexpr float kFarthestU = 150.0F, kFarthestV = 60.0F;  // pixels that a feature can have moved
 constexpr int kTurnsTried = 8;                            // to each side ...
 constexpr double kTurn = 0.01;                            // ... radians each
+// Sideways the way and the turn look much the same, and the way is kept as it is expected: so it may hardly
+// give way. Not at all would be worse, as what it is wrong by would all go into the turn.
+constexpr double kWayShare = 0.4;  // of the expected way's deviation
 constexpr int kRimIterations = 10;
 
 // Per band of rows the columns from the first to the last feature on what moves.
@@ -139,7 +142,7 @@ class RimProblem {
  private:
   Vector6d prior_error(const SE3& T) const {
     Vector6d e = (T * expected_.T_cw.inverse()).log();
-    e.head<3>() /= expected_.metres;
+    e.head<3>() /= kWayShare * expected_.metres;
     e.tail<3>() /= expected_.radians;
     return e;
   }

@@ -162,10 +162,13 @@ bool Tracker::is_clear(const LocatingInput& in) const {
 }
 
 // Whether the pose is probably that of something large in front of the camera: the motion so far does not
-// lead to it.
+// lead to it, or the rim tells another turn.
 bool Tracker::follows_occluder(const LocatingInput& in) const {
   if (!is_covered(in.frame) || unmeasured_ > 0 || !motion_.known()) return false;
-  return (best_.T_cw * in.predicted.inverse()).translation.norm() > settings_.largest_surprise;
+  constexpr double kDoubt = 3.0;  // deviations of what the rim tells
+  const SE3 surprise = best_.T_cw * in.predicted.inverse();
+  return surprise.translation.norm() > settings_.largest_surprise ||
+         (step_ && surprise.angle() > kDoubt * settings_.rim.radians);
 }
 
 // The frame is where the best hypothesis has it.
