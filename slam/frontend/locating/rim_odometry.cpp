@@ -13,12 +13,12 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr float kBand = 8.0F;                             // pixels: rows that are looked at together
-constexpr float kMargin = 8.0F;                           // pixels beside what moves
+constexpr float kRimBand = 8.0F;                          // pixels: rows that are looked at together
+constexpr float kRimMargin = 8.0F;                        // pixels beside what moves
 constexpr double kNearestRim = 1.5;                       // metres
 constexpr float kFarthestU = 150.0F, kFarthestV = 60.0F;  // pixels that a feature can have moved
 constexpr int kTurnsTried = 8;                            // to each side ...
-constexpr double kTurn = 0.01;                            // ... radians each
+constexpr double kTurnStep = 0.01;                        // ... radians each
 // Sideways the way and the turn look much the same, and the way is kept as it is expected: so it may hardly
 // give way. Not at all would be worse, as what it is wrong by would all go into the turn.
 constexpr double kWayShare = 0.4;  // of the expected way's deviation
@@ -36,7 +36,7 @@ class CoveredRows {
   bool covers(float u, float v) const {
     const std::size_t at = band(v);
     for (std::size_t b = at > 0 ? at - 1 : 0; b <= at + 1 && b < rows_.size(); ++b) {
-      if (u >= rows_[b].from - kMargin && u <= rows_[b].to + kMargin) return true;
+      if (u >= rows_[b].from - kRimMargin && u <= rows_[b].to + kRimMargin) return true;
     }
     return false;
   }
@@ -45,7 +45,7 @@ class CoveredRows {
   struct Columns {
     float from = std::numeric_limits<float>::infinity(), to = -std::numeric_limits<float>::infinity();
   };
-  static std::size_t band(float v) { return static_cast<std::size_t>(std::max(0.0F, v) / kBand); }
+  static std::size_t band(float v) { return static_cast<std::size_t>(std::max(0.0F, v) / kRimBand); }
   std::vector<Columns> rows_;
 };
 
@@ -187,7 +187,7 @@ std::optional<SE3> rim_step(const StereoCamera& camera, std::span<const double> 
   double lowest = std::numeric_limits<double>::infinity();
   for (int k = -kTurnsTried; k <= kTurnsTried; ++k) {
     SE3 turned = expected.T_cw;
-    turned.rotation = so3_exp({0.0, k * kTurn, 0.0}) * turned.rotation;
+    turned.rotation = so3_exp({0.0, k * kTurnStep, 0.0}) * turned.rotation;
     const double cost = problem.truncated_cost(turned);
     if (cost >= lowest) continue;
     lowest = cost;
