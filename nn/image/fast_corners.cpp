@@ -1,5 +1,6 @@
 #include "nn/image/fast_corners.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "nn/simd/kernel_table.h"
@@ -12,6 +13,25 @@ void clear_frame(ByteImage& image) {
   std::fill_n(image.row(0), image.width(), std::uint8_t{0});
   std::fill_n(image.row(image.height() - 1), image.width(), std::uint8_t{0});
   for (int y = 0; y < image.height(); ++y) image.at(0, y) = image.at(image.width() - 1, y) = 0;
+}
+
+constexpr int kWord = 8;  // bytes that are looked at together: most are 0
+
+// Calls visit(x) for every byte of a row that is not 0.
+template <typename Visit>
+void for_each_set(const std::uint8_t* row, int width, Visit&& visit) {
+  int x = 0;
+  while (x < width) {
+    std::uint64_t bytes = 1;
+    if (x + kWord <= width) std::memcpy(&bytes, row + x, kWord);
+    if (bytes == 0) {
+      x += kWord;
+      continue;
+    }
+    for (const int end = std::min(x + kWord, width); x < end; ++x) {
+      if (row[x] != 0) visit(x);
+    }
+  }
 }
 
 }  // namespace
@@ -28,32 +48,42 @@ void FastCorners::measure(const ByteView& image, const Rect& region, int thresho
 }
 
 void FastCorners::find(const Rect& where, int threshold, std::vector<Corner>& corners) {
-  ByteView scores = scores_.view();
-  if (!(where == region_)) {
-    part_.create(where.width + 2, where.height + 2);
-    clear_frame(part_);
-    for (int y = 0; y < where.height; ++y) {
-      std::copy_n(scores_.row(where.y - region_.y + y + 1) + where.x - region_.x + 1, where.width,
-                  part_.row(y + 1) + 1);
-    }
-    scores = part_.view();
+  if (where == region_) {
+    find_everywhere(threshold, corners);
+  } else {
+    find_in_part(where, threshold, corners);
   }
+}
+
+void FastCorners::find_everywhere(int threshold, std::vector<Corner>& corners) {
   const auto find_peaks = nn::kernels().image.peaks;
-  constexpr int kWord = 8;  // marks that are looked at together: most are 0
-  is_peak_.resize(static_cast<std::size_t>(where.width + kWord));
-  std::fill(is_peak_.end() - kWord, is_peak_.end(), std::uint8_t{0});
+  is_peak_.resize(static_cast<std::size_t>(region_.width));
+  for (int y = 0; y < region_.height; ++y) {
+    const std::uint8_t* here = scores_.row(y + 1) + 1;
+    const std::ptrdiff_t pitch = scores_.pitch();
+    find_peaks(here - pitch, here, here + pitch, region_.width, threshold, is_peak_.data());
+    for_each_set(is_peak_.data(), region_.width, [&](int x) {
+      corners.push_back({region_.x + x, region_.y + y, here[x]});
+    });
+  }
+}
+
+// A part is looked at where nothing stands out: few of its pixels have a score at all.
+void FastCorners::find_in_part(const Rect& where, int threshold, std::vector<Corner>& corners) {
+  const ByteView scores =
+      scores_.view().region({where.x - region_.x + 1, where.y - region_.y + 1, where.width, where.height});
   for (int y = 0; y < where.height; ++y) {
-    const std::uint8_t* here = scores.row(y + 1) + 1;
-    find_peaks(here - scores.pitch, here, here + scores.pitch, where.width, threshold, is_peak_.data());
-    for (int begin = 0; begin < where.width; begin += kWord) {
-      std::uint64_t marks;
-      std::memcpy(&marks, is_peak_.data() + begin, sizeof marks);
-      if (marks == 0) continue;
-      for (int x = begin; x < begin + kWord; ++x) {
-        if (is_peak_[static_cast<std::size_t>(x)] != 0)
-          corners.push_back({where.x + x, where.y + y, here[x]});
+    const std::uint8_t* here = scores.row(y);
+    const int first = std::max(y - 1, 0), last = std::min(y + 1, where.height - 1);
+    for_each_set(here, where.width, [&](int x) {
+      if (here[x] < threshold) return;
+      for (int j = first; j <= last; ++j) {
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, where.width - 1); ++i) {
+          if ((i != x || j != y) && scores.at(i, j) >= here[x]) return;
+        }
       }
-    }
+      corners.push_back({where.x + x, where.y + y, here[x]});
+    });
   }
 }
 

@@ -38,9 +38,11 @@ class FastCorners {
   void find(const Rect& where, int threshold, std::vector<Corner>& corners);
 
  private:
+  void find_everywhere(int threshold, std::vector<Corner>& corners);
+  void find_in_part(const Rect& where, int threshold, std::vector<Corner>& corners);
+
   Rect region_;
   ByteImage scores_;  // of the region, with a frame of one 0 around it
-  ByteImage part_;    // of a rectangle, in the same way
   std::vector<std::uint8_t> is_peak_;
 };
 

@@ -154,12 +154,15 @@ std::string encode(const ImageView<const T>& image) {
 
 StoredImage decode_png(std::string_view bytes, const ImageInfo& info, ImageColour colour, bool eight_bits,
                        std::string_view place) {
+  StoredImage image;
+  image.info = info;
+  if (decode_plain_png(bytes, colour, eight_bits, image)) return image;
+  image = {};
   PngJob job;
   job.input = bytes;
   job.colour = colour;
   job.eight_bits = eight_bits;
   const ReadStruct structs(job);
-  StoredImage image;
   image.info = info;
   bool done = guarded(begin_reading, job);
   if (done) {

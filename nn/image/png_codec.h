@@ -1,15 +1,14 @@
-// PNG files, with libpng.
+// PNG files: plain ones as png_rows.h says, others with libpng.
 #pragma once
 
 #include <string>
 #include <string_view>
 
 #include "nn/image/image.h"
+#include "nn/image/png_rows.h"
 #include "nn/image/stored_image.h"
 
 namespace penumbra::nn {
-
-enum class ImageColour { grey, bgr, stored };  // stored: as the file has it
 
 // The pixels of a PNG that check_png has passed: palettes and 1, 2 or 4 bits become 8 bits, transparency is
 // left out. 16 bits stay, or, where `eight_bits` is set, of them the upper 8. Throws InputError(place, ...)

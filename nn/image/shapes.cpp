@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <climits>
 #include <cstdlib>
+#include <cstring>
 #include <utility>
 
 namespace penumbra {
@@ -37,6 +38,29 @@ long turn(const Pixel& a, const Pixel& b, const Pixel& c) {
   return static_cast<long>(b.x - a.x) * (c.y - a.y) - static_cast<long>(b.y - a.y) * (c.x - a.x);
 }
 
+// Pixels begin <= column < end of a row, and the group that they belong to.
+struct Run {
+  int begin, end;
+  std::int32_t group;
+};
+constexpr std::int32_t kNoGroup = -1;
+
+// Calls visit(begin, end) for every run of pixels that are not 0, from left to right.
+template <typename Visit>
+void find_runs(const std::uint8_t* row, int width, Visit&& visit) {
+  int x = 0;
+  while (x < width) {
+    // Most of a mask is 0: eight pixels at a time.
+    std::uint64_t eight = 0;
+    while (x + 8 <= width && (std::memcpy(&eight, row + x, 8), eight == 0)) x += 8;
+    while (x < width && row[x] == 0) ++x;
+    const int begin = x;
+    while (x < width && row[x] != 0) ++x;
+    if (begin < x) visit(begin, x);
+  }
+}
+
+// Groups of which some turn out to be one (union-find).
 class Groups {
  public:
   int add() {
@@ -81,42 +105,47 @@ void fill_disc(ByteImage& mask, const Pixel& centre, int radius, std::uint8_t va
 }
 
 int connected_components(const ByteView& mask, Image<std::int32_t>& labels) {
-  constexpr std::int32_t kNone = -1;
-  labels.create(mask.width, mask.height);
+  // A part is made of runs, and a run of a row's pixels that are not 0, side by side.
+  std::vector<Run> runs;
+  std::vector<std::size_t> first(1, 0);  // run of each row; one more at the end
   Groups groups;
   for (int y = 0; y < mask.height; ++y) {
-    for (int x = 0; x < mask.width; ++x) {
-      std::int32_t& label = labels.at(x, y);
-      label = kNone;
-      if (mask.at(x, y) == 0) continue;
-      const auto touch = [&](int i, int j) {
-        if (i < 0 || j < 0 || i >= mask.width || labels.at(i, j) == kNone) return;
-        label = label == kNone ? labels.at(i, j) : groups.join(label, labels.at(i, j));
-      };
-      touch(x - 1, y);
-      touch(x - 1, y - 1);
-      touch(x, y - 1);
-      touch(x + 1, y - 1);
-      if (label == kNone) label = groups.add();
-    }
+    std::size_t above = y > 0 ? first[static_cast<std::size_t>(y) - 1] : 0;
+    const std::size_t above_end = first.back();
+    find_runs(mask.row(y), mask.width, [&](int begin, int end) {
+      std::int32_t group = kNoGroup;
+      // Those of the row above that it touches: the last of them may touch the next run, too.
+      while (above < above_end && runs[above].end < begin) ++above;
+      for (std::size_t i = above; i < above_end && runs[i].begin <= end; ++i)
+        group = group == kNoGroup ? runs[i].group : groups.join(group, runs[i].group);
+      runs.push_back({begin, end, group == kNoGroup ? groups.add() : group});
+    });
+    first.push_back(runs.size());
   }
+  // Two rows at a time, two columns before the next two: the order of the blocks.
   std::vector<std::int32_t> number(groups.size(), 0);
   int count = 0;
-  for (int y = 0; y < mask.height; y += 2) {
-    for (int x = 0; x < mask.width; ++x) {
-      // Two rows at a time, two columns before the next two: the order of the blocks.
-      const int block = x & ~1;
-      for (int j = y; j < std::min(y + 2, mask.height); ++j) {
-        for (int i = block; x == block && i < std::min(block + 2, mask.width); ++i) {
-          if (labels.at(i, j) == kNone) continue;
-          std::int32_t& n = number[static_cast<std::size_t>(groups.root(labels.at(i, j)))];
-          if (n == 0) n = ++count;
-        }
-      }
+  const auto meet = [&](Run& run) {
+    std::int32_t& n = number[static_cast<std::size_t>(groups.root(run.group))];
+    if (n == 0) n = ++count;
+    run.group = n;
+  };
+  for (std::size_t y = 0; y + 1 < first.size(); y += 2) {
+    const std::size_t last = std::min(y + 2, first.size() - 1);
+    std::size_t upper = first[y], lower = first[y + 1];
+    while (upper < first[y + 1] || lower < first[last]) {
+      const bool takes_upper =
+          lower >= first[last] || (upper < first[y + 1] && runs[upper].begin / 2 <= runs[lower].begin / 2);
+      meet(runs[takes_upper ? upper++ : lower++]);
     }
   }
-  for (std::int32_t* label = labels.data(); label != labels.data() + labels.elements(); ++label)
-    *label = *label == kNone ? 0 : number[static_cast<std::size_t>(groups.root(*label))];
+  labels.create(mask.width, mask.height);
+  labels.fill(0);
+  for (std::size_t y = 0; y + 1 < first.size(); ++y) {
+    std::int32_t* row = labels.row(static_cast<int>(y));
+    for (std::size_t i = first[y]; i < first[y + 1]; ++i)
+      std::fill(row + runs[i].begin, row + runs[i].end, runs[i].group);
+  }
   return count;
 }
 

@@ -56,6 +56,9 @@ struct DiscWeights {
   std::int8_t column[kDiscRows][kDiscStride] = {};
 };
 
+// patch_differences compares patches of kDifferenceSide pixels a side at so many places.
+constexpr int kDifferenceReach = 5, kDifferenceSide = 2 * kDifferenceReach + 1;
+
 struct ImageKernels {
   // scores[i] of `count` pixels: how much brighter, or darker, than the centre all of the best 9 neighbours
   // in a row on the circle of 16 are, less 1; 0 where that is below `threshold`. See nn/image/fast_corners.h.
@@ -96,6 +99,11 @@ struct ImageKernels {
   // 16 to the right.
   void (*disc_moments)(const std::uint8_t* centre, std::ptrdiff_t pitch, const DiscWeights& weights, int* m10,
                        int* m01);
+  // sums[s + 5] = sum over -5 <= x, y <= 5 of |(left(x, y) - left(0, 0)) - (right(x + s, y) - right(s, 0))|,
+  // -5 <= s <= 5: how unlike the patch around `left` and those around the pixels beside `right` are, but for
+  // their brightness. May also read, but does not use, 16 bytes of each row from each patch's first on.
+  void (*patch_differences)(const std::uint8_t* left, std::ptrdiff_t left_pitch, const std::uint8_t* right,
+                            std::ptrdiff_t right_pitch, int* sums);
 };
 
 }  // namespace penumbra::nn

@@ -145,6 +145,8 @@ struct AttendArguments {
   std::ptrdiff_t output_block_stride = 0;
 };
 
+constexpr int kBitRowWords = 4;  // of 64 bits
+
 struct KernelTable {
   const TileKernels* tile;
   void (*winograd_input)(const WinogradInputArguments&);
@@ -159,6 +161,10 @@ struct KernelTable {
   // Runs `iterations` of a loop of independent multiply-adds in registers; returns the floating-point
   // operations done (two a multiply-add): what the processor can do at best.
   double (*peak_loop)(long iterations);
+
+  // differences[i]: in how many of their 256 bits `one` and row i of `rows` differ; kBitRowWords words a row.
+  void (*bit_differences)(const std::uint64_t* one, const std::uint64_t* rows, int count,
+                          std::uint16_t* differences);
 
   ImageKernels image;
 };

@@ -13,6 +13,8 @@ void roi_align(const RoiAlignArguments& a);
 void mix_row(const MixRowArguments& a);
 void attend(const AttendArguments& a);
 double peak_loop(long iterations);
+void bit_differences(const std::uint64_t* one, const std::uint64_t* rows, int count,
+                     std::uint16_t* differences);
 
 void fast_scores(const std::uint8_t* centre, std::ptrdiff_t pitch, int count, int threshold,
                  std::uint8_t* scores);
@@ -34,5 +36,7 @@ void halve_rows(const std::uint8_t* const* rows, int width, std::uint16_t* out);
 void halve_columns(const std::uint16_t* columns, int width, std::uint8_t* out);
 void disc_moments(const std::uint8_t* centre, std::ptrdiff_t pitch, const DiscWeights& weights, int* m10,
                   int* m01);
+void patch_differences(const std::uint8_t* left, std::ptrdiff_t left_pitch, const std::uint8_t* right,
+                       std::ptrdiff_t right_pitch, int* sums);
 
 }  // namespace penumbra::nn::PENUMBRA_ISA

@@ -12,7 +12,8 @@ const KernelTable kKernels = {
     mix_row,
     attend,
     peak_loop,
+    bit_differences,
     {fast_scores, peaks, blur_rows, blur_columns, resize_row, resize_mix, remap_row, slope_energy, grey_row,
-     flow_window, flow_mismatch, halve_rows, halve_columns, disc_moments}};
+     flow_window, flow_mismatch, halve_rows, halve_columns, disc_moments, patch_differences}};
 
 }  // namespace penumbra::nn::PENUMBRA_ISA
