@@ -4,12 +4,24 @@
 #include <future>
 #include <limits>
 
+#include "slam/backend/block_products.h"
+#include "slam/geometry/pose_equations.h"
+
 namespace penumbra::slam {
 
 namespace {
 
 constexpr double kNearest = 0.05;    // metres in front of the camera
 constexpr double kBehindCost = 100;  // cost, in gates, of a point behind the camera
+
+// J_pi R: a row of J_pi has two entries that are not 0.
+Eigen::Matrix3d times_rotation(const Eigen::Matrix3d& J_pi, const Eigen::Matrix3d& R) {
+  Eigen::Matrix3d product;
+  product.row(0) = J_pi(0, 0) * R.row(0) + J_pi(0, 2) * R.row(2);
+  product.row(1) = J_pi(1, 1) * R.row(1) + J_pi(1, 2) * R.row(2);
+  product.row(2) = J_pi(2, 0) * R.row(0) + J_pi(2, 2) * R.row(2);
+  return product;
+}
 
 }  // namespace
 
@@ -166,7 +178,7 @@ void BundleEquations::linearize_observation(std::size_t i, std::size_t j, Part& 
   const Eigen::Vector3d e = reprojection_error(problem_.camera, p, z);
   const double weight = huber(e.squaredNorm() * z.inverse_variance, bound(z)).weight * z.inverse_variance;
   const Eigen::Matrix3d J_pi = projection_jacobian(problem_.camera, p, z.stereo);
-  const Eigen::Matrix3d J_point = J_pi * T_cw.rotation;
+  const Eigen::Matrix3d J_point = times_rotation(J_pi, T_cw.rotation);
   V_[j].noalias() += weight * J_point.transpose() * J_point;
   g_points_[j].noalias() += weight * J_point.transpose() * e;
   const bool offset = adjusts_offset() && z.stereo;
@@ -177,11 +189,11 @@ void BundleEquations::linearize_observation(std::size_t i, std::size_t j, Part& 
   }
   const int a = slot_[std::size_t(o.pose)];
   if (a < 0) return;
-  const Eigen::Matrix<double, 3, 6> J_pose = pose_jacobian(J_pi, p);
-  part.U[std::size_t(a)].noalias() += weight * J_pose.transpose() * J_pose;
-  part.g_poses.segment<6>(6 * a).noalias() += weight * J_pose.transpose() * e;
-  if (offset) part.border.s.segment<6>(6 * a).noalias() -= weight * J_pose.row(2).transpose();
-  W_[i].noalias() = weight * J_pose.transpose() * J_point;
+  const PoseEquations pose(J_pi, p, weight);
+  pose.add_upper_hessian(part.U[std::size_t(a)].data());
+  pose.add_gradient(e, part.g_poses.data() + 6 * a);
+  if (offset) part.border.s.segment<6>(6 * a) -= pose.weighted_right_row();
+  W_[i] = pose.cross(J_point);
 }
 
 std::vector<std::vector<int>> BundleEquations::neighbours() const {
@@ -221,15 +233,25 @@ void BundleEquations::eliminate(std::size_t j, double lambda, Part& part, int nu
     part.eliminated.c -= y.dot(offset_points_[j]);
     part.eliminated.right += y.dot(g_points_[j]);
   }
-  for (int i = begin_[j]; i < begin_[j + 1]; ++i) {
-    const int a = free_slot(std::size_t(i));
+  const int first = begin_[j], count = begin_[j + 1] - first;
+  const Matrix63* W = W_.data() + first;
+  thread_local std::vector<int> slots;  // of the point's observations; for its memory
+  slots.clear();
+  for (int k = 0; k < count; ++k) slots.push_back(free_slot(std::size_t(first + k)));
+  for (int i = 0; i < count; ++i) {
+    const int a = slots[std::size_t(i)];
     if (a < 0) continue;
-    const Matrix63 Y = W_[std::size_t(i)] * V_inverse_[j];
+    const Matrix63 Y = W[i] * V_inverse_[j];
     part.right.segment<6>(6 * a).noalias() += Y * g_points_[j];
     if (adjusts_offset()) part.eliminated.s.segment<6>(6 * a).noalias() -= Y * offset_points_[j];
-    for (int k = begin_[j]; k < begin_[j + 1]; ++k) {
-      const int b = free_slot(std::size_t(k));
-      if (b >= a) reduced_->block(a, b, number).noalias() -= Y * W_[std::size_t(k)].transpose();
+    if (!reduced_->sparse()) {
+      auto corner = reduced_->block(0, 0, number);
+      subtract_products({corner.data(), corner.outerStride()}, a, Y, W, slots);
+      continue;
+    }
+    for (int k = 0; k < count; ++k) {
+      const int b = slots[std::size_t(k)];
+      if (b >= a) reduced_->block(a, b, number).noalias() -= Y * W[k].transpose();
     }
   }
 }

@@ -1,11 +1,11 @@
 #include "slam/backend/local_bundle_adjustment.h"
 
 #include <algorithm>
-#include <map>
 
 #include "slam/backend/bundle_adjustment.h"
 #include "slam/backend/newcomers.h"
 #include "slam/frontend/features/measurement.h"
+#include "slam/map/keyframe_table.h"
 
 namespace penumbra::slam {
 
@@ -36,21 +36,16 @@ Window choose_window(KeyFrame* centre, const LocalBundleSettings& settings) {
   std::sort(window.points.begin(), window.points.end(), by_id);
   window.points.erase(std::unique(window.points.begin(), window.points.end()), window.points.end());
 
-  std::map<int, Covisible> border;
+  KeyframeTable border;
   for (const MapPoint* point : window.points) {
-    for (const Observation& o : point->observations) {
-      Covisible& c = border[o.keyframe->id];
-      c.keyframe = o.keyframe;
-      ++c.shared_points;
-    }
+    for (const Observation& o : point->observations) ++border[o.keyframe];
   }
-  for (const KeyFrame* keyframe : window.keyframes) border.erase(keyframe->id);
-  std::vector<Covisible> candidates;
-  for (const auto& [id, c] : border) candidates.push_back(c);
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Covisible& a, const Covisible& b) { return a.shared_points > b.shared_points; });
-  for (int i = 0; i < settings.border && i < static_cast<int>(candidates.size()); ++i) {
-    window.keyframes.push_back(candidates[static_cast<std::size_t>(i)].keyframe);
+  for (KeyFrame* keyframe : window.keyframes) border[keyframe] = 0;
+  border.sort_by_value();
+  for (const KeyframeTable::Entry& c : border.entries()) {
+    const int taken = static_cast<int>(window.keyframes.size()) - window.free_keyframes;
+    if (c.value == 0 || taken >= settings.border) break;
+    window.keyframes.push_back(c.keyframe);
   }
   return window;
 }
@@ -58,12 +53,12 @@ Window choose_window(KeyFrame* centre, const LocalBundleSettings& settings) {
 BundleProblem make_problem(const Map& map, const Window& window) {
   BundleProblem problem;
   problem.camera = map.camera();
-  std::map<int, int> pose_of;  // keyframe id -> pose
+  KeyframeTable pose_of;
   // Without a border something else has to hold the window: its oldest keyframe.
   int oldest = 0;
   for (std::size_t i = 0; i < window.keyframes.size(); ++i) {
-    const KeyFrame* keyframe = window.keyframes[i];
-    pose_of[keyframe->id] = static_cast<int>(i);
+    KeyFrame* keyframe = window.keyframes[i];
+    pose_of[keyframe] = static_cast<int>(i);
     problem.poses.push_back(keyframe->T_cw);
     problem.pose_fixed.push_back(static_cast<int>(i) >= window.free_keyframes || keyframe->id == 0);
     if (keyframe->id < window.keyframes[static_cast<std::size_t>(oldest)]->id) oldest = static_cast<int>(i);
@@ -75,10 +70,9 @@ BundleProblem make_problem(const Map& map, const Window& window) {
     const int j = static_cast<int>(problem.points.size());
     problem.points.push_back(point->position);
     for (const Observation& o : point->observations) {
-      const auto pose = pose_of.find(o.keyframe->id);
-      if (pose == pose_of.end()) continue;
-      problem.observations.push_back(
-          {pose->second, j, measurement_of(*o.keyframe, o.feature, map.scales()), true});
+      const int* pose = pose_of.find(o.keyframe);
+      if (pose == nullptr) continue;
+      problem.observations.push_back({*pose, j, measurement_of(*o.keyframe, o.feature, map.scales()), true});
     }
   }
   return problem;

@@ -37,7 +37,9 @@ class PairSearch {
         scales_(scales),
         nearest_depth_(nearest_depth),
         T_21_(second.T_cw * first.T_cw.inverse()),
-        F_(fundamental_matrix(camera, first.T_cw, second.T_cw)) {}
+        F_(fundamental_matrix(camera, first.T_cw, second.T_cw)) {
+    for (int j = 0; j < second.features->size(); ++j) is_free_.push_back(is_free(second, j));
+  }
 
   // The feature of the second keyframe that looks like feature `i` of the first; -1 where none does.
   int partner(int i) const {
@@ -56,18 +58,27 @@ class PairSearch {
     const double margin = 3.0 * scales_[static_cast<std::size_t>(level)];
     const Eigen::Vector2d centre = 0.5 * (from + to);
     const float radius = static_cast<float>(0.5 * (to - from).lpNorm<Eigen::Infinity>() + margin);
+    const EpipolarLine line(F_, pixel);
+    const Descriptor& looks = first_.features->descriptor(i);
     NearestDescriptor nearest = NearestDescriptor::within(kMaxHamming + 1);
-    second_.features->grid.visit_near(
-        static_cast<float>(centre.x()), static_cast<float>(centre.y()), radius, [&](int j) {
-          const int other_level = second_.features->keypoint(j).level;
-          if (std::abs(other_level - level) > 1 || !is_free(second_, j)) return;
+    // Features lie off the line by their deviation, and off their cells by what their patches moved them.
+    const float off_line = static_cast<float>(8.0 * scales_[static_cast<std::size_t>(level)]);
+    const Eigen::Vector3f abc = line.coefficients().cast<float>();
+    second_.features->grid.visit_near_line(
+        static_cast<float>(centre.x()), static_cast<float>(centre.y()), radius, {abc.x(), abc.y(), abc.z()},
+        off_line, [&](int j, int other_level) {
+          if (std::abs(other_level - level) > 1 || !is_free_[static_cast<std::size_t>(j)]) return;
+          const int distance = hamming_distance(looks, second_.features->descriptor(j));
+          if (distance >= nearest.second_distance) return;  // it would change nothing
           const double sigma = scales_[static_cast<std::size_t>(other_level)];
-          if (squared_epipolar_distance(F_, pixel, pixel_of(second_, j)) > kChiSquare1 * sigma * sigma)
-            return;
-          nearest.offer(j, hamming_distance(first_.features->descriptor(i), second_.features->descriptor(j)));
+          if (line.squared_distance(pixel_of(second_, j)) > kChiSquare1 * sigma * sigma) return;
+          nearest.offer(j, distance);
         });
     return nearest.index >= 0 && nearest.is_ambiguous(kRatio) ? -1 : nearest.index;
   }
+
+  // The second keyframe's feature shows a point from now on.
+  void take(int j) { is_free_[static_cast<std::size_t>(j)] = 0; }
 
   // The point that features `i` and `j` show, if they agree on one.
   std::optional<Eigen::Vector3d> point(int i, int j) const {
@@ -108,6 +119,7 @@ class PairSearch {
   double nearest_depth_;
   SE3 T_21_;
   Eigen::Matrix3d F_;
+  std::vector<char> is_free_;  // features of the second keyframe that show no point yet
 };
 
 }  // namespace
@@ -141,7 +153,7 @@ int triangulate_with_neighbours(KeyFrame* keyframe, Map& map, const PointCreatio
     const Eigen::Vector3d between =
         keyframe->T_cw.inverse().translation - c.keyframe->T_cw.inverse().translation;
     if (between.norm() < map.camera().baseline) continue;  // stereo sees more parallax than this pair
-    const PairSearch search(map.camera(), *keyframe, *c.keyframe, map.scales(), settings.nearest_depth);
+    PairSearch search(map.camera(), *keyframe, *c.keyframe, map.scales(), settings.nearest_depth);
     for (int i = 0; i < keyframe->features->size(); ++i) {
       if (!is_free(*keyframe, i)) continue;
       const int j = search.partner(i);
@@ -150,6 +162,7 @@ int triangulate_with_neighbours(KeyFrame* keyframe, Map& map, const PointCreatio
       if (!X) continue;
       MapPoint* point = map.add_point(*X, keyframe, i);
       map.add_observation(point, c.keyframe, j);
+      search.take(j);
       map.update_point(point);
       ++created;
     }

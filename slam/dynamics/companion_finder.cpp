@@ -60,8 +60,8 @@ std::vector<CompanionFinder::Found> CompanionFinder::found_again(const Past& pas
     const FeaturePixel k = before.pixel(i);
     const double disparity = k.u - k.u_right;
     NearestDescriptor nearest = NearestDescriptor::within(settings_.max_distance + 1);
-    features.measured().grid.visit_near(k.u, k.v, settings_.search_radius, [&](int j) {
-      if (!features.has_stereo(j) || std::abs(features.level(j) - before.level(i)) > 1) return;
+    features.measured().grid.visit_near(k.u, k.v, settings_.search_radius, [&](int j, int level) {
+      if (std::abs(level - before.level(i)) > 1 || !features.has_stereo(j)) return;
       const FeaturePixel pixel = features.pixel(j);
       const double other = pixel.u - pixel.u_right;
       if (std::abs(other - disparity) > settings_.search_disparity) return;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "slam/geometry/levenberg_marquardt.h"
+#include "slam/geometry/pose_equations.h"
 
 namespace penumbra::slam {
 
@@ -20,7 +21,7 @@ constexpr LeastSquaresSettings kDamping = {.iterations = kIterations,
                                            .raise = 100.0,
                                            .converged = kConverged};
 
-struct NormalEquations {
+struct NormalEquations {  // of H the lower triangle
   Matrix6d H = Matrix6d::Zero();
   Vector6d g = Vector6d::Zero();
   double cost = 0.0;
@@ -54,10 +55,10 @@ class Problem {
       const Eigen::Vector3d e = reprojection_error(camera_, p, z);
       const Huber h = huber(e.squaredNorm() * z.inverse_variance, bound);
       n.cost += h.cost;
-      const Eigen::Matrix<double, 3, 6> J = pose_jacobian(projection_jacobian(camera_, p, z.stereo), p);
-      const double weight = h.weight * z.inverse_variance;
-      n.H.noalias() += weight * J.transpose() * J;
-      n.g.noalias() += weight * J.transpose() * e;
+      const PoseEquations equations(projection_jacobian(camera_, p, z.stereo), p,
+                                    h.weight * z.inverse_variance);
+      equations.add_lower_hessian(n.H.data());
+      equations.add_gradient(e, n.g.data());
     }
     return n;
   }

@@ -1,7 +1,6 @@
 #include "slam/geometry/triangulation.h"
 
 #include <Eigen/Dense>
-#include <limits>
 
 namespace penumbra::slam {
 
@@ -56,15 +55,6 @@ Eigen::Matrix3d fundamental_matrix(const StereoCamera& camera, const SE3& T_aw, 
   const SE3 T_ba = T_bw * T_aw.inverse();
   const Eigen::Matrix3d K_inverse = inverse_calibration(camera);
   return K_inverse.transpose() * skew(T_ba.translation) * T_ba.rotation * K_inverse;
-}
-
-double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a,
-                                 const Eigen::Vector2d& b) {
-  const Eigen::Vector3d line = F * a.homogeneous();
-  const double length = line.head<2>().squaredNorm();
-  if (length == 0.0) return std::numeric_limits<double>::infinity();
-  const double residual = line.dot(b.homogeneous());
-  return residual * residual / length;
 }
 
 }  // namespace penumbra::slam

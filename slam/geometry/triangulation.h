@@ -6,6 +6,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -28,8 +30,30 @@ double ray_cosine(const StereoCamera& camera, const View& a, const View& b);
 // F with x_b^T F x_a = 0 for pixels (homogeneous) of views a and b of one camera; Hartley, Zisserman (9.2).
 Eigen::Matrix3d fundamental_matrix(const StereoCamera& camera, const SE3& T_aw, const SE3& T_bw);
 
+// The epipolar line of pixel `a`, on which the other view shows the same point.
+class EpipolarLine {
+ public:
+  EpipolarLine(const Eigen::Matrix3d& F, const Eigen::Vector2d& a)
+      : line_(F * a.homogeneous()), squared_norm_(line_.head<2>().squaredNorm()) {}
+
+  // a, b, c with a u + b v + c = 0
+  const Eigen::Vector3d& coefficients() const { return line_; }
+  // Of pixel `b` from the line, pixels^2; infinite where there is no line.
+  double squared_distance(const Eigen::Vector2d& b) const {
+    if (squared_norm_ == 0.0) return std::numeric_limits<double>::infinity();
+    const double residual = line_.dot(b.homogeneous());
+    return residual * residual / squared_norm_;
+  }
+
+ private:
+  Eigen::Vector3d line_;
+  double squared_norm_;
+};
+
 // Squared distance (pixels^2) of pixel `b` from the epipolar line of pixel `a`.
-double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a,
-                                 const Eigen::Vector2d& b);
+inline double squared_epipolar_distance(const Eigen::Matrix3d& F, const Eigen::Vector2d& a,
+                                        const Eigen::Vector2d& b) {
+  return EpipolarLine(F, a).squared_distance(b);
+}
 
 }  // namespace penumbra::slam

@@ -1,8 +1,9 @@
 #include "slam/map/map.h"
 
 #include <algorithm>
-#include <limits>
-#include <map>
+#include <cstdint>
+
+#include "slam/map/keyframe_table.h"
 
 namespace penumbra::slam {
 
@@ -16,43 +17,46 @@ std::vector<Observation>::const_iterator lower_bound(const MapPoint& point, cons
                           [](const Observation& o, int id) { return o.keyframe->id < id; });
 }
 
-// Orders by shared points, and by age where they are equal: independent of addresses.
-void sort_covisibles(std::vector<Covisible>& edges) {
-  std::sort(edges.begin(), edges.end(), [](const Covisible& a, const Covisible& b) {
-    return a.shared_points != b.shared_points ? a.shared_points > b.shared_points
-                                              : a.keyframe->id < b.keyframe->id;
-  });
+// By shared points, and by age where they are equal: independent of addresses.
+bool comes_first(const Covisible& a, const Covisible& b) {
+  return a.shared_points != b.shared_points ? a.shared_points > b.shared_points
+                                            : a.keyframe->id < b.keyframe->id;
 }
 
 void remove_edge(KeyFrame* from, const KeyFrame* to) {
   std::erase_if(from->covisibles, [&](const Covisible& c) { return c.keyframe == to; });
 }
 
-// The descriptor with the smallest median distance to the others.
+// The descriptor with the smallest median distance to the others; of equals that of the oldest keyframe.
 Descriptor typical_descriptor(const MapPoint& point) {
-  const auto descriptor = [](const Observation& o) -> const Descriptor& {
-    return o.keyframe->features->descriptor(o.feature);
-  };
   const std::size_t n = point.observations.size();
-  std::vector<int> distances(n * n, 0);  // row by row
+  thread_local std::vector<Descriptor> descriptors;
+  thread_local std::vector<std::uint16_t> distances;  // n rows of n
+  descriptors.clear();
+  for (const Observation& o : point.observations)
+    descriptors.push_back(o.keyframe->features->descriptor(o.feature));
+  distances.assign(n * n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       distances[i * n + j] = distances[j * n + i] =
-          hamming_distance(descriptor(point.observations[i]), descriptor(point.observations[j]));
+          static_cast<std::uint16_t>(hamming_distance(descriptors[i], descriptors[j]));
     }
   }
-  int best_median = std::numeric_limits<int>::max();
+  std::uint16_t best_median = kDescriptorBits + 1;
   std::size_t best = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto row = distances.begin() + static_cast<std::ptrdiff_t>(i * n);
+    const auto row = distances.begin() + static_cast<std::ptrdiff_t>(i * n),
+               end = row + static_cast<std::ptrdiff_t>(n);
+    // The median is below the best where more than half are: few rows need be sorted.
+    std::uint16_t below = 0;
+    for (auto d = row; d != end; ++d) below = static_cast<std::uint16_t>(below + (*d < best_median));
+    if (below <= n / 2) continue;
     const auto middle = row + static_cast<std::ptrdiff_t>(n / 2);
-    std::nth_element(row, middle, row + static_cast<std::ptrdiff_t>(n));
-    if (*middle < best_median) {
-      best_median = *middle;
-      best = i;
-    }
+    std::nth_element(row, middle, end);
+    best_median = *middle;
+    best = i;
   }
-  return descriptor(point.observations[best]);
+  return descriptors[best];
 }
 
 }  // namespace
@@ -110,6 +114,7 @@ void Map::add_observation(MapPoint* point, KeyFrame* keyframe, int feature, bool
   slot = point;
   keyframe->aligned[static_cast<std::size_t>(feature)] = aligned;
   point->observations.insert(lower_bound(*point, *keyframe), {keyframe, feature});
+  point->descriptor_is_current = false;
 }
 
 void Map::remove_observation(MapPoint* point, KeyFrame* keyframe) {
@@ -117,6 +122,7 @@ void Map::remove_observation(MapPoint* point, KeyFrame* keyframe) {
   if (at == point->observations.end() || at->keyframe != keyframe) return;
   keyframe->points[static_cast<std::size_t>(at->feature)] = nullptr;
   point->observations.erase(at);
+  point->descriptor_is_current = false;
   const bool stereo =
       std::any_of(point->observations.begin(), point->observations.end(),
                   [](const Observation& o) { return o.keyframe->features->has_stereo(o.feature); });
@@ -172,7 +178,8 @@ void Map::erase_keyframe(KeyFrame* keyframe) {
 
 void Map::update_point(MapPoint* point) const {
   if (point->erased || point->observations.empty()) return;
-  point->descriptor = typical_descriptor(*point);
+  if (!point->descriptor_is_current) point->descriptor = typical_descriptor(*point);
+  point->descriptor_is_current = true;
   update_view(point);
 }
 
@@ -190,27 +197,26 @@ void Map::update_view(MapPoint* point) const {
 }
 
 void Map::update_covisibility(KeyFrame* keyframe) {
-  std::map<int, Covisible> shared;  // by id: an order that repeats
+  thread_local KeyframeTable shared;  // for its memory
+  shared.clear();
   for (const MapPoint* point : keyframe->points) {
     if (point == nullptr) continue;
     for (const Observation& o : point->observations) {
-      if (o.keyframe == keyframe) continue;
-      Covisible& edge = shared[o.keyframe->id];
-      edge.keyframe = o.keyframe;
-      ++edge.shared_points;
+      if (o.keyframe != keyframe) ++shared[o.keyframe];
     }
   }
-  int most = 0;
-  for (const auto& [id, edge] : shared) most = std::max(most, edge.shared_points);
+  shared.sort_by_value();  // an order that repeats
+  const int most = shared.entries().empty() ? 0 : shared.entries().front().value;
   for (const Covisible& old : keyframe->covisibles) remove_edge(old.keyframe, keyframe);
   keyframe->covisibles.clear();
-  for (const auto& [id, edge] : shared) {
-    if (edge.shared_points < std::min(kFewestShared, most)) continue;
-    keyframe->covisibles.push_back(edge);
-    edge.keyframe->covisibles.push_back({keyframe, edge.shared_points});
-    sort_covisibles(edge.keyframe->covisibles);
+  for (const auto& [neighbour, count] : shared.entries()) {
+    if (count < std::min(kFewestShared, most)) break;
+    keyframe->covisibles.push_back({neighbour, count});
+    const Covisible edge{keyframe, count};
+    neighbour->covisibles.insert(
+        std::upper_bound(neighbour->covisibles.begin(), neighbour->covisibles.end(), edge, comes_first),
+        edge);
   }
-  sort_covisibles(keyframe->covisibles);
 }
 
 void Map::collect_erased() {

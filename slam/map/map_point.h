@@ -27,6 +27,7 @@ struct MapPoint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // mean unit direction from the cameras to the point
   double reference_distance = 0.0;                     // metres at which it would be found on level 0
   std::vector<Observation> observations;               // ordered by the keyframes' ids
+  bool descriptor_is_current = false;                  // no observation came or went since it was chosen
   int first_keyframe = 0;                              // id of the keyframe that made it
   int visible = 1, found = 1;                          // frames that should have seen it, and that did
   std::array<std::uint8_t, 3> colour{};                // blue, green, red

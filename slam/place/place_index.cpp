@@ -17,6 +17,13 @@ bool bit_of(const Descriptor& descriptor, int bit) {
   return (descriptor[static_cast<std::size_t>(bit) / 64] >> (static_cast<unsigned>(bit) % 64U)) & 1U;
 }
 
+// Bit i of a byte as the lowest of byte i.
+std::uint64_t spread_bits(std::uint64_t byte) {
+  constexpr std::uint64_t kEverywhere = 0x0101010101010101, kOneEach = 0x8040201008040201;
+  const std::uint64_t own = (byte * kEverywhere) & kOneEach;  // bit i in byte i
+  return ((own + 0x7F7F7F7F7F7F7F7F) | own) >> 7 & kEverywhere;
+}
+
 }  // namespace
 
 PlaceIndex::PlaceIndex(const PlaceIndexSettings& settings) : settings_(settings) {
@@ -79,14 +86,27 @@ void PlaceIndex::insert(int tree, const Entry& entry) {
   if (size > settings_.leaf_size && size > node.unsplittable_until) split(tree, leaf);
 }
 
+// How many of the entries have each bit set.
+std::array<int, kDescriptorBits> PlaceIndex::count_bits(const std::vector<Entry>& entries) const {
+  // Eight bits at a time: a byte's bits, each in a byte of its own, are added up in a word of eight counts.
+  constexpr std::size_t kBytes = kDescriptorBits / 8, kMostAtOnce = 255;
+  std::array<int, kDescriptorBits> set{};
+  for (std::size_t begin = 0; begin < entries.size(); begin += kMostAtOnce) {
+    std::array<std::uint64_t, kBytes> counts{};
+    for (std::size_t i = begin; i < std::min(begin + kMostAtOnce, entries.size()); ++i) {
+      const Descriptor& d = descriptor(entries[i]);
+      for (std::size_t b = 0; b < kBytes; ++b) counts[b] += spread_bits((d[b / 8] >> (8 * (b % 8))) & 0xFF);
+    }
+    for (std::size_t bit = 0; bit < kDescriptorBits; ++bit)
+      set[bit] += static_cast<int>((counts[bit / 8] >> (8 * (bit % 8))) & 0xFF);
+  }
+  return set;
+}
+
 // The bit that parts the leaf most evenly; -1 where none does so well enough.
 int PlaceIndex::balanced_bit(int tree, int leaf) const {
   const Node& node = trees_[static_cast<std::size_t>(tree)][static_cast<std::size_t>(leaf)];
-  std::array<int, kDescriptorBits> set{};
-  for (const Entry& entry : node.entries) {
-    const Descriptor& d = descriptor(entry);
-    for (int b = 0; b < kDescriptorBits; ++b) set[static_cast<std::size_t>(b)] += bit_of(d, b);
-  }
+  const std::array<int, kDescriptorBits> set = count_bits(node.entries);
   // A bit that was tested on the path is equal in all entries, and so never chosen.
   const int size = static_cast<int>(node.entries.size());
   int best = -1, best_smaller_side = static_cast<int>(kLeastShare * size) - 1;

@@ -21,6 +21,7 @@
 // Recognition (RA-L 2018); weights: Sivic, Zisserman, Video Google (ICCV 2003).
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -86,6 +87,7 @@ class PlaceIndex {
   int leaf_of(const Tree& tree, const Descriptor& descriptor) const;
   void insert(int tree, const Entry& entry);
   void split(int tree, int leaf);
+  std::array<int, kDescriptorBits> count_bits(const std::vector<Entry>& entries) const;
   int balanced_bit(int tree, int leaf) const;
 
   PlaceIndexSettings settings_;

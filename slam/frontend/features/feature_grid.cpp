@@ -20,7 +20,9 @@ FeatureGrid::FeatureGrid(const std::vector<Keypoint>& keypoints, int width, int 
   std::vector<int> next(begin_.begin(), begin_.end() - 1);
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     const Keypoint& k = keypoints[i];
-    entries_[static_cast<std::size_t>(next[cell(k)]++)] = {k.u, k.v, static_cast<int>(i)};
+    const auto feature = static_cast<std::uint32_t>(i) << kLevelBits;
+    entries_[static_cast<std::size_t>(next[cell(k)]++)] = {k.u, k.v,
+                                                           feature | static_cast<std::uint32_t>(k.level)};
   }
 }
 

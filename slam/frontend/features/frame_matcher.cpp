@@ -17,8 +17,7 @@ constexpr int kRotationBins = 30;
 int search(const Projection& p, const FeatureView& frame, std::span<const char> taken, float radius,
            const FrameMatcherSettings& settings, int& best_distance) {
   NearestDescriptor nearest;
-  frame.measured().grid.visit_near(p.u, p.v, radius, [&](int i) {
-    const int level = frame.level(i);
+  frame.measured().grid.visit_near(p.u, p.v, radius, [&](int i, int level) {
     if (level < p.level - settings.levels_below || level > p.level + settings.levels_above) return;
     if ((!taken.empty() && taken[std::size_t(i)]) || frame.is_movable(i)) return;
     const float u_right = frame.u_right(i);

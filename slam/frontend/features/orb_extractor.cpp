@@ -1,11 +1,13 @@
 #include "slam/frontend/features/orb_extractor.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <numeric>
 
 #include "nn/simd/kernel_table.h"
 #include "slam/frontend/features/orb_pattern.h"
-#include "slam/frontend/features/quadtree.h"
 
 namespace penumbra::slam {
 
@@ -37,18 +39,19 @@ float orientation(const ByteView& image, int x, int y) {
   return std::atan2(static_cast<float>(m01), static_cast<float>(m10));
 }
 
+// kBorder leaves the pixel more to the right that a row of kPatchStride has.
 Descriptor describe(const ByteView& blurred, int x, int y, float angle) {
-  const OrbPattern::Tests& tests = OrbPattern::get().rotated(angle);
-  const std::ptrdiff_t step = blurred.pitch;
-  const std::uint8_t* centre = blurred.row(y) + x;
-  Descriptor descriptor{};
+  std::array<std::uint8_t, std::size_t(kPatchRows) * kPatchStride> patch;
+  for (int j = 0; j < kPatchRows; ++j) {
+    const std::uint8_t* row = blurred.row(y + j - kPatchRadius) + x - kPatchRadius;
+    std::memcpy(patch.data() + j * kPatchStride, row, kPatchStride);
+  }
+  const OrbPattern::Places& places = OrbPattern::get().places(angle);
+  Descriptor descriptor;
   for (std::size_t word = 0; word < descriptor.size(); ++word) {
     std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < 64; ++i) {
-      const BinaryTest& t = tests[64 * word + i];
-      const bool less = centre[t.ay * step + t.ax] < centre[t.by * step + t.bx];
-      bits |= static_cast<std::uint64_t>(less) << i;
-    }
+    for (std::size_t i = 64 * word + 64; i-- > 64 * word;)
+      bits = 2 * bits + (patch[places.a[i]] < patch[places.b[i]]);
     descriptor[word] = bits;
   }
   return descriptor;
@@ -104,11 +107,17 @@ void OrbExtractor::extract(const ByteImage& grey, Features& features, double mor
   const std::vector<int> counts =
       features_per_level(static_cast<int>(std::lround(more * wanted)), level_scales(settings_.pyramid));
 
+  // A keyframe keeps them: no more than there are.
+  const auto most = static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0));
+  features.keypoints.reserve(most);
+  features.descriptors.reserve(most);
+
   for (int l = 0; l < pyramid_.levels(); ++l) {
     const ByteView level = pyramid_.level(l);
     const Rect region{kBorder, kBorder, level.width - 2 * kBorder, level.height - 2 * kBorder};
     find_corners(level, region);
-    const std::vector<Corner> spread = spread_corners(corners_, region, counts[static_cast<std::size_t>(l)]);
+    const std::vector<Corner>& spread =
+        spreader_.spread(corners_, region, counts[static_cast<std::size_t>(l)]);
     if (spread.empty()) continue;
     blur_.apply(level, blurred_);
     for (const Corner& corner : spread) {

@@ -21,6 +21,7 @@
 #include "nn/image/fast_corners.h"
 #include "slam/frontend/features/feature.h"
 #include "slam/frontend/features/image_pyramid.h"
+#include "slam/frontend/features/quadtree.h"
 
 namespace penumbra::slam {
 
@@ -57,6 +58,7 @@ class OrbExtractor {
   FastCorners fast_;
   std::vector<Corner> corners_;
   std::vector<char> cell_has_corner_;
+  CornerSpreader spreader_;
   GaussianBlur blur_;
   ByteImage blurred_;
 };

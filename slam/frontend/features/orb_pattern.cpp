@@ -55,7 +55,10 @@ std::vector<Test> draw_tests() {
 
 }  // namespace
 
-OrbPattern::OrbPattern() : rotations_(kRotations) {
+OrbPattern::OrbPattern() : rotations_(kRotations), places_(kRotations) {
+  const auto place = [](std::int8_t x, std::int8_t y) {
+    return static_cast<std::uint16_t>((y + kPatchRadius) * kPatchStride + x + kPatchRadius);
+  };
   const std::vector<Test> tests = draw_tests();
   for (int r = 0; r < kRotations; ++r) {
     const double angle = 2.0 * std::numbers::pi * r / kRotations;
@@ -66,7 +69,10 @@ OrbPattern::OrbPattern() : rotations_(kRotations) {
     };
     for (std::size_t i = 0; i < tests.size(); ++i) {
       const auto a = turned(tests[i].ax, tests[i].ay), b = turned(tests[i].bx, tests[i].by);
-      rotations_[static_cast<std::size_t>(r)][i] = {a[0], a[1], b[0], b[1]};
+      const auto rotation = static_cast<std::size_t>(r);
+      rotations_[rotation][i] = {a[0], a[1], b[0], b[1]};
+      places_[rotation].a[i] = place(a[0], a[1]);
+      places_[rotation].b[i] = place(b[0], b[1]);
     }
   }
 }
@@ -76,10 +82,9 @@ const OrbPattern& OrbPattern::get() {
   return pattern;
 }
 
-const OrbPattern::Tests& OrbPattern::rotated(float angle) const {
+std::size_t OrbPattern::rotation(float angle) {
   constexpr float kStep = 2.0F * std::numbers::pi_v<float> / kRotations;
-  const int r = static_cast<int>(std::lround(angle / kStep)) & (kRotations - 1);
-  return rotations_[static_cast<std::size_t>(r)];
+  return static_cast<std::size_t>(static_cast<int>(std::lround(angle / kStep)) & (kRotations - 1));
 }
 
 }  // namespace penumbra::slam

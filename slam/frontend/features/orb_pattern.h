@@ -23,20 +23,32 @@ struct BinaryTest {
   std::int8_t ax, ay, bx, by;  // pixels from the patch's centre
 };
 
+// A patch as the tests look at it: its rows, from the upper left pixel on, each kPatchStride bytes behind the
+// one before.
+inline constexpr int kPatchRows = 2 * kPatchRadius + 1, kPatchStride = 32;
+
 class OrbPattern {
  public:
   static constexpr int kRotations = 64;
   using Tests = std::array<BinaryTest, kDescriptorBits>;
+  // Where in a patch's bytes the ends of the tests are.
+  struct Places {
+    std::array<std::uint16_t, kDescriptorBits> a, b;
+  };
 
   // The one pattern of the program, made at first use.
   static const OrbPattern& get();
 
   // The pattern turned by the multiple of 2 pi / 64 nearest to `angle` (radians).
-  const Tests& rotated(float angle) const;
+  const Tests& rotated(float angle) const { return rotations_[rotation(angle)]; }
+  const Places& places(float angle) const { return places_[rotation(angle)]; }
 
  private:
   OrbPattern();
+  static std::size_t rotation(float angle);
+
   std::vector<Tests> rotations_;
+  std::vector<Places> places_;
 };
 
 }  // namespace penumbra::slam

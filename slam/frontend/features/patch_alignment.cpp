@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "slam/frontend/features/four_pixels.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -21,10 +23,11 @@ struct Template {
   Eigen::Vector2f slope_value = Eigen::Vector2f::Zero();  // sum of slope * value
 };
 
-// The patch drawn `ratio` times as large: 13 x 13 values, one more on each side for the slopes.
+// The patch drawn `ratio` times as large: 13 x 13 values, one more on each side for the slopes. First along
+// its rows, each once, then across them.
 constexpr int kDrawn = kWidth + 2;
-std::array<float, kDrawn * kDrawn> draw(const Patch& patch, float ratio) {
-  std::array<float, kDrawn * kDrawn> drawn;
+using Drawn = std::array<float, kDrawn * kDrawn>;
+Drawn draw(const Patch& patch, float ratio) {
   std::array<int, kDrawn> whole;
   std::array<float, kDrawn> share;
   for (int i = 0; i < kDrawn; ++i) {
@@ -33,16 +36,21 @@ std::array<float, kDrawn * kDrawn> draw(const Patch& patch, float ratio) {
     whole[k] = std::min(static_cast<int>(at), Patch::kWidth - 2);
     share[k] = at - static_cast<float>(whole[k]);
   }
-  std::size_t n = 0;
-  for (std::size_t y = 0; y < kDrawn; ++y) {
-    const std::uint8_t* upper = patch.pixels.data() + whole[y] * Patch::kWidth;
-    const std::uint8_t* lower = upper + Patch::kWidth;
-    for (std::size_t x = 0; x < kDrawn; ++x, ++n) {
+  std::array<std::array<float, kDrawn>, Patch::kWidth> along;
+  for (int y = whole.front(); y <= whole.back() + 1; ++y) {
+    const std::uint8_t* row = patch.pixels.data() + y * Patch::kWidth;
+    for (std::size_t x = 0; x < kDrawn; ++x) {
       const int c = whole[x];
-      const float u = static_cast<float>(upper[c]) + share[x] * static_cast<float>(upper[c + 1] - upper[c]);
-      const float l = static_cast<float>(lower[c]) + share[x] * static_cast<float>(lower[c + 1] - lower[c]);
-      drawn[n] = u + share[y] * (l - u);
+      along[static_cast<std::size_t>(y)][x] =
+          static_cast<float>(row[c]) + share[x] * static_cast<float>(row[c + 1] - row[c]);
     }
+  }
+  Drawn drawn;
+  for (std::size_t y = 0; y < kDrawn; ++y) {
+    const auto& upper = along[static_cast<std::size_t>(whole[y])];
+    const auto& lower = along[static_cast<std::size_t>(whole[y]) + 1];
+    float* out = drawn.data() + y * kDrawn;
+    for (std::size_t x = 0; x < kDrawn; ++x) out[x] = upper[x] + share[y] * (lower[x] - upper[x]);
   }
   return drawn;
 }
@@ -72,7 +80,7 @@ float smaller_eigenvalue(const Eigen::Matrix2f& H) {
   return half_trace - std::sqrt(std::max(0.0F, half_trace * half_trace - H.determinant()));
 }
 
-// The image's values around p, bilinear.
+// The image's values around p, bilinear: four at a time, the last of a row in a group that begins earlier.
 void sample(const ByteView& image, const Eigen::Vector2f& p, Window& window) {
   const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
   const float a = p.x() - static_cast<float>(x), b = p.y() - static_cast<float>(y);
@@ -81,10 +89,10 @@ void sample(const ByteView& image, const Eigen::Vector2f& p, Window& window) {
   for (int dy = -kHalf; dy <= kHalf; ++dy, out += kWidth) {
     const std::uint8_t* upper = image.row(y + dy) + x - kHalf;
     const std::uint8_t* lower = image.row(y + dy + 1) + x - kHalf;
-    for (int i = 0; i < kWidth; ++i) {
-      out[i] = w00 * static_cast<float>(upper[i]) + w01 * static_cast<float>(upper[i + 1]) +
-               w10 * static_cast<float>(lower[i]) + w11 * static_cast<float>(lower[i + 1]);
-    }
+    for_each_four<kWidth>([&](int i) {
+      store_four(out + i, w00 * load_four(upper + i) + w01 * load_four(upper + i + 1) +
+                              w10 * load_four(lower + i) + w11 * load_four(lower + i + 1));
+    });
   }
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "nn/simd/kernel_table.h"
+#include "slam/frontend/features/four_pixels.h"
 #include "slam/frontend/features/nearest_descriptor.h"
 
 namespace penumbra::slam {
@@ -55,17 +57,6 @@ class RowTable {
   std::vector<int> begin_, features_;
 };
 
-int patch_difference(const ByteView& left, int xl, const ByteView& right, int xr, int y) {
-  const int offset = left.at(xl, y) - right.at(xr, y);
-  int sum = 0;
-  for (int dy = -kPatch; dy <= kPatch; ++dy) {
-    const std::uint8_t* l = left.row(y + dy) + xl - kPatch;
-    const std::uint8_t* r = right.row(y + dy) + xr - kPatch;
-    for (int i = 0; i <= 2 * kPatch; ++i) sum += std::abs(l[i] - r[i] - offset);
-  }
-  return sum;
-}
-
 struct Refined {
   float x = 0.0F;  // column on the level
   int difference = 0;
@@ -75,17 +66,17 @@ struct Refined {
 // Column of the right image, to a fraction of a pixel, where the patch around (x, y) of the left one fits
 // best; starts at the whole column `start`. Gauss-Newton on the sum of squares (step 3).
 std::optional<float> align_patch(const ByteView& left, const ByteView& right, int x, int y, int start) {
-  std::array<float, kPatchPixels> value, slope;
-  float slope_sum = 0.0F, curvature = 0.0F;
-  std::size_t n = 0;
-  for (int dy = -kPatch; dy <= kPatch; ++dy) {
-    const std::uint8_t* row = left.row(y + dy) + x;
-    for (int dx = -kPatch; dx <= kPatch; ++dx, ++n) {
-      value[n] = row[dx];
-      slope[n] = 0.5F * static_cast<float>(row[dx + 1] - row[dx - 1]);
-      slope_sum += slope[n];
-    }
+  constexpr int kSide = 2 * kPatch + 1;
+  std::array<float, kPatchPixels> value, slope, product;
+  for (int j = 0; j < kSide; ++j) {
+    const std::uint8_t* row = left.row(y + j - kPatch) + x - kPatch;
+    for_each_four<kSide>([&](int i) {
+      store_four(value.data() + j * kSide + i, load_four(row + i));
+      store_four(slope.data() + j * kSide + i, 0.5F * (load_four(row + i + 1) - load_four(row + i - 1)));
+    });
   }
+  float slope_sum = 0.0F, curvature = 0.0F;
+  for (const float s : slope) slope_sum += s;
   // Without the mean slope, a difference in brightness does not matter.
   for (float& s : slope) {
     s -= slope_sum / kPatchPixels;
@@ -99,15 +90,16 @@ std::optional<float> align_patch(const ByteView& left, const ByteView& right, in
     const int whole = static_cast<int>(std::floor(column));
     const float share = column - static_cast<float>(whole);
     if (whole - kPatch < 0 || whole + kPatch + 1 >= right.width) return std::nullopt;
-    float sum = 0.0F;
-    n = 0;
-    for (int dy = -kPatch; dy <= kPatch; ++dy) {
-      const std::uint8_t* row = right.row(y + dy) + whole;
-      for (int dx = -kPatch; dx <= kPatch; ++dx, ++n) {
-        const float r = (1.0F - share) * row[dx] + share * row[dx + 1];
-        sum += slope[n] * (r - value[n]);
-      }
+    for (int j = 0; j < kSide; ++j) {
+      const std::uint8_t* row = right.row(y + j - kPatch) + whole - kPatch;
+      for_each_four<kSide>([&](int i) {
+        const int n = j * kSide + i;
+        const Four seen = (1.0F - share) * load_four(row + i) + share * load_four(row + i + 1);
+        store_four(product.data() + n, load_four(slope.data() + n) * (seen - load_four(value.data() + n)));
+      });
     }
+    float sum = 0.0F;
+    for (const float p : product) sum += p;
     const float step = -sum / curvature;
     shift += step;
     if (std::abs(shift) > 1.0F) return std::nullopt;
@@ -118,15 +110,16 @@ std::optional<float> align_patch(const ByteView& left, const ByteView& right, in
 
 // Slides the left patch at (xl, y) along the right row around column xr, then aligns it.
 Refined refine(const ByteView& left, const ByteView& right, int xl, int y, int xr) {
-  if (y < kPatch || y + kPatch >= std::min(left.height, right.height) || xl <= kPatch ||
+  // The row below is there so that the bytes behind the last row's end are.
+  if (y < kPatch || y + kPatch + 1 >= std::min(left.height, right.height) || xl <= kPatch ||
       xl + kPatch + 1 >= left.width) {
     return {};
   }
   if (xr - kSlide - kPatch < 0 || xr + kSlide + kPatch >= right.width) return {};
-  std::array<int, 2 * kSlide + 1> sad{};
-  for (int s = -kSlide; s <= kSlide; ++s) {
-    sad[std::size_t(s + kSlide)] = patch_difference(left, xl, right, xr + s, y);
-  }
+  std::array<int, 2 * kSlide + 1> sad;
+  static_assert(kPatch == nn::kDifferenceReach && kSlide == nn::kDifferenceReach);
+  nn::kernels().image.patch_differences(left.row(y) + xl, left.pitch, right.row(y) + xr, right.pitch,
+                                        sad.data());
   const auto best = std::min_element(sad.begin(), sad.end());
   if (best == sad.begin() || best == sad.end() - 1) return {};  // the minimum is somewhere else
   const int whole = xr + static_cast<int>(best - sad.begin()) - kSlide;

@@ -9,7 +9,8 @@ void search_local_map(const LocatingInput& in, const std::optional<PosePrior>& p
   const auto scope = in.timer.measure("local_map");
   const StereoCamera& camera = in.map.camera();
   const std::vector<double>& scales = in.map.scales();
-  const LocalMap local = collect_local_map(found.points, found.reference, in.settings.local_keyframes);
+  thread_local LocalMapCollector collector;  // for its memory
+  const LocalMap& local = collector.collect(found.points, found.reference, in.settings.local_keyframes);
   found.reference = local.reference;
   match_map_points(camera, scales, local.points, in.settings.map_search_radius, in.frame, found);
   const std::vector<PoseObservation> observations = refine_observations(camera, scales, in.frame, found);

@@ -18,12 +18,14 @@ void match_map_points(const StereoCamera& camera, const std::vector<double>& sca
     taken[i] = 1;
     shown.push_back(hypothesis.points[i]);
   }
-  std::sort(shown.begin(), shown.end());
+  std::sort(shown.begin(), shown.end(), [](const MapPoint* a, const MapPoint* b) { return a->id < b->id; });
 
   hypothesis.looked_for = shown;
   std::vector<Projection> projections;
+  auto next_shown = shown.begin();  // both are in the order of their ids
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (std::binary_search(shown.begin(), shown.end(), points[i])) continue;
+    while (next_shown != shown.end() && (*next_shown)->id < points[i]->id) ++next_shown;
+    if (next_shown != shown.end() && *next_shown == points[i]) continue;
     std::optional<Projection> projection = project_point(camera, hypothesis.T_cw, *points[i], scales);
     if (!projection) continue;
     hypothesis.looked_for.push_back(points[i]);

@@ -18,8 +18,9 @@
 
 namespace penumbra::slam {
 
-// Looks for those of `points` that are not found yet, `radius` pixels (of level 0) around where they project.
-// `looked_for` becomes all that the frame should show, what was found before included.
+// Looks for those of `points`, which are in the order of their ids, that are not found yet, `radius` pixels
+// (of level 0) around where they project. `looked_for` becomes all that the frame should show, what was found
+// before included.
 void match_map_points(const StereoCamera& camera, const std::vector<double>& scales,
                       const std::vector<MapPoint*>& points, float radius, const Frame& frame,
                       Hypothesis& hypothesis);
