@@ -34,6 +34,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam --print-settings > mine.json                  every setting there is, to be changed and given with --settings
   penumbra slam kitti --sequence 00 --settings mine.json --out out/00
   penumbra slam kitti --sequence 00 --out out/00 --view       watch it: a page on http://127.0.0.1:8080/, for this machine alone
+  penumbra slam kitti --sequence 00 --out out/00 --profile    and where the processor's time went
 
 Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
 trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.svg (seen from above), run.json (settings, counts, times,
@@ -196,6 +197,10 @@ void add_slam_command(CLI::App& app) {
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");
+  command->add_flag(
+      "--profile", options->profile,
+      "show where the processor's time went: each thread's stages, milliseconds a frame (also in "
+      "run.json)");
   command->add_flag(std::string("--view{") + kAnyViewPort + "}", options->view,
                     "show the run in a browser on this machine while it goes on, --view=PORT on a port of "
                     "its own (default: "

@@ -1,6 +1,7 @@
 #include "apps/slam/slam_run.h"
 
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <charconv>
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "apps/slam/semantics_options.h"
 #include "apps/slam/slam_results.h"
 #include "apps/view/live_view.h"
+#include "apps/view/processor_times.h"
 #include "nn/base/error.h"
 #include "slam/map/map_file.h"
 #include "slam/pipeline/dense_mapper.h"
@@ -50,6 +52,13 @@ std::optional<int> view_port(const std::string& text) {
     throw UsageError(fmt::format("--view: expected a port from 0 to 65535, found '{}'", text));
   }
   return port;
+}
+
+// What is of four megabytes and more (an adjustment of the whole map) goes back to the system when it is freed;
+// what is smaller (a frame's images and patches) stays, to be used again without a page fault.
+void set_up_memory() {
+  mallopt(M_MMAP_THRESHOLD, 4 << 20);
+  mallopt(M_TRIM_THRESHOLD, 32 << 20);
 }
 
 // The map of --load-map; nothing where none is asked for.
@@ -120,6 +129,7 @@ class FrameLoop {
         checkpoints.write(places, record_, run_);
       }
     }
+    run_.input_times.merge(frames.take_times());
     sum_up();
   }
 
@@ -223,6 +233,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
 }
 
 void run_slam(const SlamOptions& options) {
+  set_up_memory();
   const std::optional<int> port = view_port(options.view);
   slam::SlamSettings settings = make_settings(options);
 
@@ -274,7 +285,9 @@ void run_slam(const SlamOptions& options) {
   warn_of_pieces(record);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
   write_results(places, *dataset, record, options.dense ? &dense : nullptr, run);
-  print_summary(slam_report(run, record), places.out);
+  const nlohmann::json report = slam_report(run, record);
+  if (options.profile) fmt::print("{}", processor_table(report["processor_ms"]));
+  print_summary(report, places.out);
   if (view && !record.results().empty()) view->finish(places.out);
   judge(options, record, run);
 }

@@ -28,7 +28,7 @@ struct SlamOptions {
   std::string view;                                                      // port, or kAnyViewPort; empty: none
   std::optional<double> least_score;
   double least_sharpness = 0.0;
-  bool deterministic = false, localise = false, dense = false;
+  bool deterministic = false, localise = false, dense = false, profile = false;
   int features = 0, threads = omp_get_max_threads(), segmentation_threads = 0;
   double checkpoint = 60.0;      // seconds between two; 0: none
   bool strict = false;           // an image that cannot be read ends the run

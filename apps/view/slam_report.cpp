@@ -8,6 +8,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/rounded.h"
+#include "apps/view/processor_times.h"
 #include "nn/base/quantile.h"
 #include "slam/map/point_uncertainty.h"
 
@@ -244,6 +245,9 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
   const double frames = static_cast<double>(std::max<std::size_t>(record.results().size(), 1));
   json["cpu_ms_per_frame"] = to_a_thousandth(1000.0 * run.cpu_seconds / frames);
+  StageTimer times = run.input_times;
+  times.merge(record.slam().timer());
+  json["processor_ms"] = processor_report(times.processor(), run.cpu_seconds, record.results().size());
   json["peak_rss_mb"] = to_a_thousandth(run.peak_rss_mb);
   for (const auto& [stage, times] : record.slam().timer().stages()) {
     const double median = to_a_thousandth(quantile_of(times.values(), 0.5));

@@ -18,6 +18,7 @@ struct SlamRun {
   bool finished = false;             // false: a checkpoint, the map's worker is still at it
   std::size_t peak_arena_bytes = 0;  // of the network's activations
   double cpu_seconds = 0.0;          // of all threads, from the first frame to the finished map
+  StageTimer input_times;            // of the thread that reads the images
   double peak_rss_mb = 0.0;          // of the process
   std::vector<int> unreadable_frames;
   std::vector<std::string> warnings;           // what is probably wrong (slam/pipeline/run_check.h)
@@ -33,7 +34,8 @@ struct SlamRun {
 // frames that were located), median_depth_m (of the features), keyframes (of this run), loaded_keyframes (of
 // the map that it began with), map_points, uncertain_points (of these, that are left out of map.ply),
 // movable_features, occluded_frames, instances (objects and their states), peak_arena_bytes (with
-// segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all threads), peak_rss_mb, stages (medians in ms),
+// segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all threads), processor_ms (the same by thread and
+// stage, see processor_times.h), peak_rss_mb, stages (medians in ms),
 // mismatch_filter (kept, removed), ground_truth (APE, drift; of the located frames) where there is one, loops
 // (pairs of frames, the later first), loop_closures (every correction of the map, with what is known of it),
 // recognised_places (frame, earlier frame, points, and objects where the points alone had not been enough),

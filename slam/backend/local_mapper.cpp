@@ -33,13 +33,23 @@ void LocalMapper::insert(KeyFrame* keyframe, const std::vector<MapPoint*>& track
   renew_patches(keyframe);
 }
 
-void LocalMapper::process(KeyFrame* keyframe, const std::atomic<bool>* hurry) {
+void LocalMapper::process(KeyFrame* keyframe, const std::atomic<bool>* hurry, StageTimer& timer) {
   std::unique_lock lock(map_.mutex());
   cull_recent_points(*keyframe);
-  triangulate_with_neighbours(keyframe, map_, settings_.point_creation);
-  fuse_with_neighbours(keyframe);
+  {
+    const auto scope = timer.measure("triangulation");
+    triangulate_with_neighbours(keyframe, map_, settings_.point_creation);
+  }
+  {
+    const auto scope = timer.measure("fusion");
+    fuse_with_neighbours(keyframe);
+  }
   give_patches(keyframe);
-  adjust_local_bundle(keyframe, map_, settings_.bundle, &lock, hurry);
+  {
+    const auto scope = timer.measure("local_bundle");
+    adjust_local_bundle(keyframe, map_, settings_.bundle, &lock, hurry);
+  }
+  const auto scope = timer.measure("keyframe_culling");
   cull_keyframes(*keyframe);
 }
 
@@ -80,8 +90,9 @@ void LocalMapper::fuse_with_neighbours(KeyFrame* keyframe) {
     fuse_points(map_, neighbour, std::vector<MapPoint*>(keyframe->points), kFusionRadius);
     fuse_points(map_, keyframe, std::vector<MapPoint*>(neighbour->points), kFusionRadius);
   }
+  // The bundle adjustment that follows moves them all, and their views with them.
   for (MapPoint* point : keyframe->points) {
-    if (point != nullptr) map_.update_point(point);
+    if (point != nullptr && !point->descriptor_is_current) map_.update_point(point);
   }
   map_.update_covisibility(keyframe);
 }

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <vector>
 
+#include "nn/base/stage_timer.h"
 #include "slam/backend/local_bundle_adjustment.h"
 #include "slam/backend/point_creation.h"
 #include "slam/map/map.h"
@@ -37,8 +38,12 @@ class LocalMapper {
 
   // To be called for every keyframe in the order of their insertion; locks the map while it changes it.
   // `hurry`, where there is one, is set by somebody else when other keyframes wait: then the bundle
-  // adjustment ends with the iteration that it is in.
-  void process(KeyFrame* keyframe, const std::atomic<bool>* hurry = nullptr);
+  // adjustment ends with the iteration that it is in. `timer` measures the stages.
+  void process(KeyFrame* keyframe, const std::atomic<bool>* hurry, StageTimer& timer);
+  void process(KeyFrame* keyframe) {
+    StageTimer timer;
+    process(keyframe, nullptr, timer);
+  }
 
  private:
   void connect(KeyFrame* keyframe, const std::vector<MapPoint*>& tracked, const std::vector<char>& aligned);

@@ -95,8 +95,9 @@ void MapWorker::run() {
 }
 
 StageTimer MapWorker::take_times() {
-  timer_.merge(std::exchange(insertion_timer_, {}));
-  return std::exchange(timer_, {});
+  StageTimer times;
+  for (StageTimer* timer : {&timer_, &insertion_timer_, &adjustment_timer_}) times.merge(timer->take());
+  return times;
 }
 
 KeyFrame* MapWorker::insert(MapWork work) {
@@ -126,7 +127,7 @@ void MapWorker::process(const Task& task) {
   KeyFrame* keyframe = task.keyframe;
   {
     const auto scope = timer_.measure("mapping");
-    mapper_.process(keyframe, threaded_ ? &hurry_ : nullptr);
+    mapper_.process(keyframe, threaded_ ? &hurry_ : nullptr, timer_);
   }
   std::optional<ClosedLoop> closed;
   {
@@ -177,7 +178,7 @@ void MapWorker::adjust_whole_map(int submap) {
     adjustment_ = std::make_unique<FullBundleAdjustment>(map_, submap, full_bundle_);
   }
   if (!threaded_) {
-    const auto scope = timer_.measure("full_bundle");
+    const auto scope = adjustment_timer_.measure("full_bundle");
     adjustment_->solve();
     apply_adjustment();
     return;
@@ -185,6 +186,7 @@ void MapWorker::adjust_whole_map(int submap) {
   adjuster_ = std::thread([this] {
     std::exception_ptr failure;
     try {
+      const auto scope = adjustment_timer_.measure("full_bundle");
       adjustment_->solve(&stop_adjustment_);
     } catch (...) {
       failure = std::current_exception();

@@ -101,7 +101,8 @@ class MapWorker {
   LoopCloser& loop_closer_;
   const FullBundleSettings full_bundle_;
   const bool threaded_;
-  StageTimer timer_, insertion_timer_;  // of the worker's thread and of the caller's
+  // Of the worker's thread, of the caller's, and of the one that adjusts the whole map.
+  StageTimer timer_{"mapping"}, insertion_timer_, adjustment_timer_{"whole map"};
 
   mutable std::mutex mutex_;         // of what follows
   std::condition_variable changed_;  // of any of it

@@ -47,7 +47,7 @@ class SegmentationWorker {
 
   int dropped() const;  // images that a newer one has displaced
   // Times of the stage "segmentation". Only after drain().
-  StageTimer take_times() { return std::exchange(timer_, {}); }
+  StageTimer take_times() { return timer_.take(); }
 
  private:
   void run();
@@ -56,7 +56,7 @@ class SegmentationWorker {
   const Segmenter segmenter_;
   const bool threaded_;
   const int threads_;
-  StageTimer timer_;
+  StageTimer timer_{"segmentation"};
 
   mutable std::mutex mutex_;         // of what follows
   std::condition_variable changed_;  // of any of it

@@ -64,7 +64,10 @@ std::shared_ptr<const FrameFeatures> FeatureMeasurer::measure(const StereoImages
     {
       const auto scope = timer.measure("orb");
       const auto policy = threads_ > 1 ? std::launch::async : std::launch::deferred;
-      std::future<void> right_done = std::async(policy, [&] { right_orb_.extract(right, right_, more); });
+      std::future<void> right_done = std::async(policy, [&] {
+        const auto scope = right_timer_.measure("orb_right");
+        right_orb_.extract(right, right_, more);
+      });
       left_orb_.extract(left, measured->left, more);
       right_done.get();
     }

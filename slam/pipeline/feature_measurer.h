@@ -31,6 +31,8 @@ class FeatureMeasurer {
   const ImagePyramid& pyramid() const { return left_orb_.pyramid(); }
   // Of the right image that was measured with it; none of depth.
   const Features& right() const { return right_; }
+  // Times of the thread that looks at the right images.
+  StageTimer take_times() { return right_timer_.take(); }
 
  private:
   const Sensor sensor_;
@@ -38,6 +40,7 @@ class FeatureMeasurer {
   OrbExtractor left_orb_, right_orb_;
   Features right_;
   StereoOrder stereo_order_;
+  StageTimer right_timer_{"right image"};
 };
 
 }  // namespace penumbra::slam

@@ -193,6 +193,7 @@ FrameResult Slam::process(double timestamp, const std::shared_ptr<const FrameFea
 
 // What the frame, now that it was located, or given up, shows to move.
 void Slam::find_what_moves(Frame& frame, const TrackingReport& report) {
+  const auto scope = timer_.measure("movers");
   FrameAfterPose located{step_from_last(frame.T_cw), false, frame.pixels, report.mover};
   located.reliable = report.state == TrackingState::tracking && !report.recovered && !report.starts_submap;
   std::vector<Instance> found;
@@ -281,6 +282,7 @@ Findings Slam::finish() {
   worker_.finish();
   timer_.merge(worker_.take_times());
   timer_.merge(segmentation_.take_times());
+  timer_.merge(measurer_.take_times());
   return std::exchange(findings_, {});
 }
 

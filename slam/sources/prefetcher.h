@@ -5,6 +5,7 @@
 #include <future>
 #include <utility>
 
+#include "nn/base/stage_timer.h"
 #include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::slam {
@@ -27,15 +28,24 @@ class Prefetcher {
     start();
     return current.get();
   }
+  // Times of its thread, which it waits for.
+  StageTimer take_times() {
+    if (next_.valid()) next_.wait();
+    return timer_.take();
+  }
 
  private:
   void start() {
     if (position_ >= dataset_.size()) return;
-    next_ = std::async(std::launch::async, [this, i = position_] { return dataset_.load(i); });
+    next_ = std::async(std::launch::async, [this, i = position_] {
+      const auto scope = timer_.measure("decoding");
+      return dataset_.load(i);
+    });
     ++position_;
   }
 
   const StereoDataset& dataset_;
+  StageTimer timer_{"images"};
   int position_ = 0;  // frame that is read next
   std::future<StereoImages> next_;
 };

@@ -186,7 +186,7 @@ TEST(SlamCommand, WritesEverythingAndRepeatsBitForBit) {
   EXPECT_EQ(report["lost"], 0);
   EXPECT_GT(report["keyframes"], 1);
   EXPECT_GT(report["map_points"], 500);
-  for (const char* key : {"median_ms", "p95_ms", "stages", "settings"})
+  for (const char* key : {"median_ms", "p95_ms", "stages", "processor_ms", "settings"})
     EXPECT_TRUE(report.contains(key)) << key;
   EXPECT_LT(report["ground_truth"]["ape_rmse_m"], 0.5);
 }
