@@ -118,7 +118,13 @@ TEST(PngRows, LeavesDamagedOnesToLibpng) {
     const std::uint32_t sum = crc(bytes.substr(at, end - at));
     for (std::size_t k = 0; k < 4; ++k) bytes[end + k] = static_cast<char>(sum >> (24 - 8 * k));
     StoredImage image;
-    EXPECT_FALSE(decode(bytes, ImageColour::grey, true, image)) << i;
+    if (decode(bytes, ImageColour::grey, true,
+               image)) {  // a bit that says nothing, such as behind the last code
+      const std::vector<char> buffer(bytes.begin(), bytes.end());
+      const cv::Mat oracle = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+      ASSERT_EQ(cv::norm(test::to_mat(image), oracle, cv::NORM_INF), 0.0) << i;
+      continue;
+    }
     const ImageInfo info = check_png(bytes, "test");
     try {
       const StoredImage read = decode_png(bytes, info, ImageColour::grey, true, "test");
