@@ -54,8 +54,8 @@ std::optional<int> view_port(const std::string& text) {
   return port;
 }
 
-// What is of four megabytes and more (an adjustment of the whole map) goes back to the system when it is freed;
-// what is smaller (a frame's images and patches) stays, to be used again without a page fault.
+// What is of four megabytes and more (an adjustment of the whole map) goes back to the system when it is
+// freed; what is smaller (a frame's images and patches) stays, to be used again without a page fault.
 void set_up_memory() {
   mallopt(M_MMAP_THRESHOLD, 4 << 20);
   mallopt(M_TRIM_THRESHOLD, 32 << 20);

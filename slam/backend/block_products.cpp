@@ -7,13 +7,13 @@ namespace penumbra::slam {
 namespace {
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
-using Quad [[gnu::vector_size(32)]] = double;
-using Pair [[gnu::vector_size(16)]] = double;
+using FourNumbers [[gnu::vector_size(32)]] = double;
+using TwoNumbers [[gnu::vector_size(16)]] = double;
 
 [[gnu::always_inline]] inline void subtract(const DenseBlocks& blocks, int a, const Matrix63& Y,
                                             const Matrix63* W, const std::vector<int>& slots) {
-  Quad upper[3];
-  Pair lower[3];
+  FourNumbers upper[3];
+  TwoNumbers lower[3];
   for (int c = 0; c < 3; ++c) {
     std::memcpy(&upper[c], Y.data() + 6 * c, sizeof upper[c]);
     std::memcpy(&lower[c], Y.data() + 6 * c + 4, sizeof lower[c]);
@@ -24,8 +24,8 @@ using Pair [[gnu::vector_size(16)]] = double;
     const double* w = W[k].data();
     double* column = blocks.corner + 6 * a + 6 * b * blocks.stride;
     for (int c = 0; c < 6; ++c, column += blocks.stride) {
-      Quad first;
-      Pair last;
+      FourNumbers first;
+      TwoNumbers last;
       std::memcpy(&first, column, sizeof first);
       std::memcpy(&last, column + 4, sizeof last);
       first -= (upper[0] * w[c] + upper[1] * w[c + 6]) + upper[2] * w[c + 12];
