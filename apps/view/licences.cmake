@@ -10,6 +10,7 @@ function(penumbra_collect_licences file)
       "libpng|reads and writes PNG|libpng-dev"
       "libjpeg-turbo|reads and writes JPEG|libjpeg62-turbo-dev,libjpeg-turbo8-dev,libjpeg-dev"
       "zlib|compression of PNG and zip files|zlib1g-dev"
+      "libdeflate|unpacks plain PNGs|libdeflate-dev"
       "Eigen|linear algebra|libeigen3-dev"
       "xsimd|vector registers|libxsimd-dev"
       "fmt|formatting of text|libfmt-dev"

@@ -1,12 +1,13 @@
 #include "nn/image/png_rows.h"
 
+#include <libdeflate.h>
+
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
-
-#include "nn/base/inflate.h"
 
 namespace penumbra::nn {
 
@@ -27,6 +28,14 @@ struct PlainPng {
   int depth = 8, channels = 1;  // bits a channel
   std::string packed;
 };
+
+// Unpacks a zlib stream to exactly `size` bytes; false where it is damaged or has another size.
+bool inflate_all(std::string_view stream, std::uint8_t* output, std::size_t size) {
+  thread_local const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
+      unpacker(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
+  return unpacker != nullptr && libdeflate_zlib_decompress(unpacker.get(), stream.data(), stream.size(),
+                                                           output, size, nullptr) == LIBDEFLATE_SUCCESS;
+}
 
 PlainPng read_chunks(std::string_view bytes) {
   PlainPng png;
@@ -139,7 +148,7 @@ bool decode_plain_png(std::string_view bytes, ImageColour colour, bool eight_bit
   const auto width = static_cast<std::size_t>(image.info.width),
              height = static_cast<std::size_t>(image.info.height);
   const std::size_t size = (step * width + 1) * height;
-  const std::unique_ptr<std::uint8_t[]> rows(new std::uint8_t[size + kInflateSlack]);
+  const std::unique_ptr<std::uint8_t[]> rows(new std::uint8_t[size]);
   if (!inflate_all(png.packed, rows.get(), size)) return false;
   if (png.depth == 16) {
     image.words.create(image.info.width, image.info.height);

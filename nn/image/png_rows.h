@@ -5,8 +5,8 @@
 //
 //   x = raw + 0,  a,  b,  (a + b) / 2,  Paeth: that of a, b, c which is nearest to a + b - c
 //
-// All of the stream is unpacked at once (nn/base/inflate.h), the rows then one after the other. Cost: 1.5 ms
-// at 1241 x 376, half of libpng's. Source: W3C Portable Network Graphics specification (3rd edition),
+// All of the stream is unpacked at once by libdeflate, the rows then one after the other. Cost: 1.5 ms at
+// 1241 x 376, half of libpng's. Source: W3C Portable Network Graphics specification (3rd edition),
 // sections 7 to 10.
 #pragma once
 
