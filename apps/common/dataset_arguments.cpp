@@ -29,7 +29,8 @@ void add_recording_arguments(CLI::App& command, DatasetArguments& arguments) {
       ->type_name("HZ");
   command
       .add_option("--pair-within", arguments.pair_within,
-                  "seconds that the two images of a frame may be apart, by their times (default: TUM 0.02, EuRoC 0.001)")
+                  "seconds that the two images of a frame may be apart, by their times (default: TUM 0.02, "
+                  "EuRoC 0.001)")
       ->check(number_above_zero())
       ->type_name("SECONDS");
   command.add_option("--sequence", arguments.sequence,

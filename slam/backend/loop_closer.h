@@ -6,10 +6,10 @@
 //     -> correct the map, fuse duplicate points                       (map_correction.h)
 //
 // A false loop ruins a map, a missed one costs a little accuracy until the next chance. So several keyframes
-// must be verified one after the other, and must agree: where loops are true the poses found by each relate to
-// each other as odometry says they do. Their views must be independent: a camera that stands sees the same
-// wrong place again and again, one that has gone on or has turned elsewhere sees other points. The correction must also be one
-// that drift can explain, and the place one that had been left before.
+// must be verified one after the other, and must agree: where loops are true the poses found by each relate
+// to each other as odometry says they do. Their views must be independent: a camera that stands sees the same
+// wrong place again and again, one that has gone on or has turned elsewhere sees other points. The correction
+// must also be one that drift can explain, and the place one that had been left before.
 //
 // process() needs the keyframes in the order in which they leave the local mapper. It locks the map: shared
 // while it looks for the place, alone while it corrects. What it does repeats bit for bit. A corrected map

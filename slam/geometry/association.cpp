@@ -31,13 +31,17 @@ struct ListedTime {
 // Two of them side by side, and how far apart.
 using Neighbours = std::tuple<double, std::size_t, std::size_t>;
 
-// Both lists in the order of time.
+// Both lists in the order of time; of equal times in one list the first counts.
 std::vector<ListedTime> merged(std::span<const double> first, std::span<const double> second) {
   std::vector<ListedTime> all;
   all.reserve(first.size() + second.size());
+  const auto repeats = [](std::span<const double> times, std::size_t i) {
+    return i > 0 && times[i] == times[i - 1];
+  };
   for (std::size_t i = 0, j = 0; i < first.size() || j < second.size();) {
     const bool from_first = j == second.size() || (i < first.size() && first[i] <= second[j]);
-    all.push_back(from_first ? ListedTime{first[i], true, i} : ListedTime{second[j], false, j});
+    if (from_first && !repeats(first, i)) all.push_back({first[i], true, i});
+    if (!from_first && !repeats(second, j)) all.push_back({second[j], false, j});
     ++(from_first ? i : j);
   }
   return all;

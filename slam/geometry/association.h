@@ -1,10 +1,11 @@
 // Pairs the poses of two trajectories, or the images of two cameras, by time.
 //
 // Greedy, one to one, as TUM's tool does for colour and depth: of all pairs that are at most `max_difference`
-// seconds apart the nearest is taken, then the nearest of what is left. What finds no partner is left out.
-// (evo takes for every pose of the shorter trajectory the nearest of the longer one, perhaps twice; with the
-// longer trajectory the denser one, as is usual, both give the same pairs.) Cost: O(n log n).
-// Source: associate.py of the TUM RGB-D benchmark (Sturm et al. 2012).
+// seconds apart the nearest is taken, then the nearest of what is left. What finds no partner is left out,
+// and so is what has the time of the one before it in its list. (evo takes for every pose of the shorter
+// trajectory the nearest of the longer one, perhaps twice; with the longer trajectory the denser one, as is
+// usual, both give the same pairs.) Cost: O(n log n). Source: associate.py of the TUM RGB-D benchmark (Sturm
+// et al. 2012).
 #pragma once
 
 #include <cstddef>

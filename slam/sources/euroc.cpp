@@ -67,9 +67,8 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
   if (recording.frames.empty()) {
     throw InputError(
         mav.string(),
-        fmt::format("images of cam0 and cam1 with the same times (at most {:g} s apart, --pair-within)",
-                    pair_within),
-        nearest_times(left_list, right_list));
+        fmt::format("images of cam0 and cam1 with the same times (at most {:g} s apart)", pair_within),
+        nearest_times(left_list, right_list) + " (--pair-within)");
   }
   const std::size_t alone = left_images.size() + right_images.size() - 2 * recording.frames.size();
   if (alone > 0)

@@ -117,10 +117,9 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
                                 depth[d].timestamp - colour[c].timestamp});
   }
   if (recording.frames.empty()) {
-    throw InputError(
-        folder.string(),
-        fmt::format("colour and depth images within {:g} s of each other (--pair-within)", pair_within),
-        nearest_times(colour_list, depth_list));
+    throw InputError(folder.string(),
+                     fmt::format("colour and depth images within {:g} s of each other", pair_within),
+                     nearest_times(colour_list, depth_list) + " (--pair-within)");
   }
   const std::size_t alone = colour.size() + depth.size() - 2 * recording.frames.size();
   if (alone > 0) {

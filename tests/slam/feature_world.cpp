@@ -66,7 +66,7 @@ std::shared_ptr<FrameFeatures> FeatureWorld::view(const SE3& T_cw, std::uint64_t
     const auto uniform = [&](std::uint64_t k) { return counter_uniform(noise_seed, 1024 * i + k); };
     for (int k = 0; k < 3; ++k)
       pixel[k] += kPixelNoise * (2.0 * uniform(static_cast<std::uint64_t>(k)) - 1.0);
-    if (!camera_.in_image(pixel.head<2>())) continue;
+    if (!camera_.in_image(pixel.head<2>()) || pixel.z() < 0.0) continue;
     Descriptor descriptor = descriptors_[i];
     for (std::size_t b = 0; b < kDescriptorBits; ++b) {
       if (uniform(8 + b) < kBitNoise) descriptor[b / 64] ^= std::uint64_t{1} << (b % 64);

@@ -111,18 +111,17 @@ TEST(PngRows, LeavesDamagedOnesToLibpng) {
     return ~sum;
   };
   for (int i = 0; i < 300; ++i) {
-    std::string bytes = encoded(some_picture(random, CV_8UC1), PNG_ALL_FILTERS, 6);
+    const cv::Mat picture = some_picture(random, CV_8UC1);
+    std::string bytes = encoded(picture, PNG_ALL_FILTERS, 6);
     const std::size_t at = bytes.find("IDAT"), end = bytes.find("IEND") - 8;
     const std::size_t flipped = at + 4 + random() % (end - at - 4);
     bytes[flipped] = static_cast<char>(bytes[flipped] ^ (1 << random() % 8));
     const std::uint32_t sum = crc(bytes.substr(at, end - at));
     for (std::size_t k = 0; k < 4; ++k) bytes[end + k] = static_cast<char>(sum >> (24 - 8 * k));
     StoredImage image;
-    if (decode(bytes, ImageColour::grey, true,
-               image)) {  // a bit that says nothing, such as behind the last code
-      const std::vector<char> buffer(bytes.begin(), bytes.end());
-      const cv::Mat oracle = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
-      ASSERT_EQ(cv::norm(test::to_mat(image), oracle, cv::NORM_INF), 0.0) << i;
+    if (decode(bytes, ImageColour::grey, true, image)) {
+      // A bit that says nothing, such as one behind the last code: the checksum holds, and so do the pixels.
+      ASSERT_EQ(cv::norm(test::to_mat(image), picture, cv::NORM_INF), 0.0) << i;
       continue;
     }
     const ImageInfo info = check_png(bytes, "test");
