@@ -57,7 +57,7 @@ class FeatureGrid {
 template <typename Visit>
 void FeatureGrid::visit_near_line(float u, float v, float radius, const std::array<float, 3>& line,
                                   float margin, Visit&& visit) const {
-  const auto [a, b, c] = line;
+  const float a = line[0], b = line[1], c = line[2];
   const float length = std::hypot(a, b);
   // A line that is a row, or none.
   if (!(std::abs(a) > 1e-4F * length)) {
