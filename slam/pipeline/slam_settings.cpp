@@ -7,7 +7,7 @@ namespace penumbra::slam {
 namespace {
 
 // How much of a keyframe a frame must show not to become one itself (docs/slam/mapping.md).
-constexpr double kStereoSimilarity = 0.4, kStereoCloseShare = 0.3;
+constexpr double kStereoSimilarity = 0.35, kStereoCloseShare = 0.35;
 constexpr double kRgbdSimilarity = 0.35, kRgbdCloseShare = 0.25;
 
 }  // namespace
