@@ -190,6 +190,7 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
   int most_movable = -1;
   for (slam::Prefetcher frames(*dataset); frames.has_next();) {
     const slam::StereoImages images = frames.next();
+    slam.keep_pace(images.timestamp);
     const slam::FrameResult& result = record.add(slam.process(images));
     if (points) points->judge(images.index, slam.newest_view(), judged);
     // Before there was no earlier view to give anything back by.

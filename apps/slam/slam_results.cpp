@@ -150,6 +150,10 @@ void print_summary(const nlohmann::json& report, const std::filesystem::path& ou
     fmt::print("disparities are {:.2f} pixels too {} for the calibration, which was taken into account\n",
                std::abs(offset), offset > 0.0 ? "large" : "small");
   }
+  if (report.contains("masks_late_s")) {
+    fmt::print("masks came {:.2f} s late at the median, {:.2f} s at most\n",
+               report["masks_late_s"]["median"].get<double>(), report["masks_late_s"]["most"].get<double>());
+  }
   if (report.contains("ground_truth")) {
     const nlohmann::json& truth = report["ground_truth"];
     fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse", truth["path_m"].get<double>(),

@@ -19,6 +19,7 @@
 #include "apps/view/live_view.h"
 #include "apps/view/processor_times.h"
 #include "nn/base/error.h"
+#include "nn/base/quantile.h"
 #include "slam/map/map_file.h"
 #include "slam/pipeline/dense_mapper.h"
 #include "slam/pipeline/recorder.h"
@@ -145,6 +146,7 @@ class FrameLoop {
     }
     slam::FrameResult result;
     if (images) {
+      slam_.keep_pace(images->timestamp);
       result = slam_.process(*images);
       check_.add(*images, result);
     } else {
@@ -201,6 +203,19 @@ void judge(const SlamOptions& options, const slam::Recorder& record, const SlamR
   }
   if (record.tracked() == 0) throw Error(run.why_lost);
   if (!run.why_lost.empty()) log_warning("{}", run.why_lost);
+}
+
+// In half a second somebody walks half a metre: what is found of him then comes too late for the pose.
+void warn_of_late_masks(const slam::Recorder& record, SlamRun& run) {
+  constexpr double kLate = 0.5;  // seconds
+  const std::vector<double>& delays = record.mask_delays().values();
+  const double median = delays.empty() ? 0.0 : quantile_of(delays, 0.5);
+  if (median <= kLate) return;
+  run.warnings.push_back(
+      fmt::format("masks came {:.2g} s late at the median: the network is too slow here for what moves fast "
+                  "(a smaller one, --segmentation-threads, or --segmentation all, which waits)",
+                  median));
+  log_warning("{}", run.warnings.back());
 }
 
 }  // namespace
@@ -280,6 +295,7 @@ void run_slam(const SlamOptions& options) {
                                        settings.semantics.instances.least_score));
     log_warning("{}", run.warnings.back());
   }
+  warn_of_late_masks(record, run);
   run.cpu_seconds = usage.cpu_seconds - cpu_before;
   run.peak_rss_mb = usage.peak_rss_mb;
   warn_of_pieces(record);

@@ -242,6 +242,10 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   }
   json["occluded_frames"] = occluded_frames;
   json["instances"] = instances_json(record);
+  if (const std::vector<double>& delays = record.mask_delays().values(); !delays.empty()) {
+    json["masks_late_s"] = {{"median", to_a_thousandth(quantile_of(delays, 0.5))},
+                            {"most", to_a_thousandth(quantile_of(delays, 1.0))}};
+  }
   if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
   const double frames = static_cast<double>(std::max<std::size_t>(record.results().size(), 1));
   json["cpu_ms_per_frame"] = to_a_thousandth(1000.0 * run.cpu_seconds / frames);

@@ -1,8 +1,8 @@
 #include "nn/image/fast_corners.h"
 
 #include <algorithm>
-#include <cstring>
 
+#include "nn/image/set_bytes.h"
 #include "nn/simd/kernel_table.h"
 
 namespace penumbra {
@@ -15,23 +15,10 @@ void clear_frame(ByteImage& image) {
   for (int y = 0; y < image.height(); ++y) image.at(0, y) = image.at(image.width() - 1, y) = 0;
 }
 
-constexpr int kWord = 8;  // bytes that are looked at together: most are 0
-
 // Calls visit(x) for every byte of a row that is not 0.
 template <typename Visit>
 void for_each_set(const std::uint8_t* row, int width, Visit&& visit) {
-  int x = 0;
-  while (x < width) {
-    std::uint64_t bytes = 1;
-    if (x + kWord <= width) std::memcpy(&bytes, row + x, kWord);
-    if (bytes == 0) {
-      x += kWord;
-      continue;
-    }
-    for (const int end = std::min(x + kWord, width); x < end; ++x) {
-      if (row[x] != 0) visit(x);
-    }
-  }
+  for (int x = next_set_byte(row, 0, width); x < width; x = next_set_byte(row, x + 1, width)) visit(x);
 }
 
 }  // namespace

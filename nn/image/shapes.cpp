@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <climits>
 #include <cstdlib>
-#include <cstring>
 #include <utility>
+
+#include "nn/image/set_bytes.h"
 
 namespace penumbra {
 
@@ -50,11 +51,7 @@ template <typename Visit>
 void find_runs(const std::uint8_t* row, int width, Visit&& visit) {
   int x = 0;
   while (x < width) {
-    // Most of a mask is 0: eight pixels at a time.
-    std::uint64_t eight = 0;
-    while (x + 8 <= width && (std::memcpy(&eight, row + x, 8), eight == 0)) x += 8;
-    while (x < width && row[x] == 0) ++x;
-    const int begin = x;
+    const int begin = x = next_set_byte(row, x, width);
     while (x < width && row[x] != 0) ++x;
     if (begin < x) visit(begin, x);
   }

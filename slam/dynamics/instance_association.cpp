@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "slam/dynamics/movable.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -9,8 +11,9 @@ namespace {
 // How well the track fits; 0: not at all.
 double fit_of(const Instance& instance, const InstanceView& view, const Track& track,
               const FrameHistory& history, const InstanceTrackerSettings& settings) {
-  const bool same_class =
-      track.instance.class_name == instance.class_name || track.instance.class_name.empty();
+  const std::string& name = track.instance.class_name;
+  if (!name.empty() && is_movable_class(name) != is_movable_class(instance.class_name)) return 0.0;
+  const bool same_class = name.empty() || name == instance.class_name;
   const double nearest = settings.nearest_metres + 0.05 * view.centre.z();
   const auto at = std::find_if(track.views.begin(), track.views.end(),
                                [&](const InstanceView& v) { return v.frame == view.frame; });

@@ -1,8 +1,9 @@
 // Which of the known objects an instance shows.
 //
-// By overlap of their masks in the instance's frame; else, with the same class, by how much of the smaller
-// one the other contains, or by how close their places in space are. What is out of sight is compared with
-// where it stood when it was last seen.
+// What can move by its class and what cannot are two things, however their masks overlap: who walks past a
+// chair is not the chair. By overlap of their masks in the instance's frame; else, with the same class, by
+// how much of the smaller one the other contains, or by how close their places in space are. What is out of
+// sight is compared with where it stood when it was last seen.
 #pragma once
 
 #include <vector>

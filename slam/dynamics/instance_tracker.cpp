@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "slam/dynamics/instance_association.h"
-#include "slam/dynamics/movable.h"
 #include "slam/dynamics/track_report.h"
 
 namespace penumbra::slam {
@@ -217,8 +216,7 @@ void InstanceTracker::add(const FrameRecord& at, const Instance& found, const In
   if (moves) {
     belief_.presume_moving(instance);
   } else if (found.score >= instance.score) {
-    instance.class_name = found.class_name;
-    instance.can_move = is_movable_class(found.class_name);
+    belief_.rename(instance, found.class_name);
     instance.score = found.score;
   }
   if (found.moves) belief_.hear(instance, *found.moves);

@@ -25,6 +25,13 @@ TrackedInstance MotionBelief::prior(const std::string& class_name) const {
   return instance;
 }
 
+void MotionBelief::rename(TrackedInstance& instance, const std::string& class_name) const {
+  if (!instance.class_name.empty())
+    instance.log_odds += moving_prior(class_name) - moving_prior(instance.class_name);
+  instance.class_name = class_name;
+  instance.can_move = is_movable_class(class_name);
+}
+
 void MotionBelief::presume_moving(TrackedInstance& instance) const {
   instance.log_odds = std::max(instance.log_odds, kMoverLogOdds);
   instance.can_move = true;

@@ -24,6 +24,8 @@ class MotionBelief {
 
   // A new object of the class, or, where the name is empty, of none.
   TrackedInstance prior(const std::string& class_name) const;
+  // A better view of the object gives it this class: what was seen of its motion stays, the prior changes.
+  void rename(TrackedInstance& instance, const std::string& class_name) const;
   // Something that geometry has found moving, without a mask.
   void presume_moving(TrackedInstance& instance) const;
   // What the finder of an object's mask saw of its motion. Where classes decide and not its points, this is

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace penumbra::slam {
@@ -12,8 +13,9 @@ namespace {
 
 // Leaves the processors to the tracker and the mapper where both want them. Linux: of this thread only.
 void lower_priority() {
-  constexpr int kNiceness = 10;
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
+  constexpr int kNicer = 10;  // than the process is
+  const auto thread = static_cast<id_t>(gettid());
+  (void)setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNicer);
 }
 
 }  // namespace
@@ -43,8 +45,17 @@ void SegmentationWorker::submit(const ImageToSegment& image) {
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     dropped_ += waiting_.has_value();
     waiting_ = image;
+    submitted_ = std::chrono::steady_clock::now();
   }
   changed_.notify_all();
+}
+
+void SegmentationWorker::keep_pace(double seconds) {
+  constexpr double kLongest = 3600.0;  // times in a file may jump
+  const std::chrono::duration<double> pause(std::clamp(seconds, 0.0, kLongest));
+  std::unique_lock lock(mutex_);
+  const auto until = submitted_ + std::chrono::duration_cast<std::chrono::nanoseconds>(pause);
+  changed_.wait_until(lock, until, [&] { return is_idle(); });
 }
 
 std::vector<SegmentedFrame> SegmentationWorker::take() {
@@ -54,7 +65,7 @@ std::vector<SegmentedFrame> SegmentationWorker::take() {
 
 void SegmentationWorker::drain() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return failure_ || (!waiting_ && !working_); });
+  changed_.wait(lock, [&] { return is_idle(); });
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 

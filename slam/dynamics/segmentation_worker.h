@@ -9,6 +9,7 @@
 // Results then depend on nothing but the images.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -40,6 +41,10 @@ class SegmentationWorker {
   // Rethrows what the segmenter has thrown at an earlier image. The pixels are shared, and must not be
   // changed.
   void submit(const ImageToSegment& image);
+  // For who plays a recording faster than it was taken: waits while an image is being segmented, but not
+  // beyond `seconds` after it was submitted. A frame that was taken so much later then finds what it would
+  // find if the camera were live.
+  void keep_pace(double seconds);
   // What was found since the last call, oldest first.
   std::vector<SegmentedFrame> take();
   // Waits until no image is left.
@@ -50,6 +55,7 @@ class SegmentationWorker {
   StageTimer take_times() { return timer_.take(); }
 
  private:
+  bool is_idle() const { return failure_ || (!waiting_ && !working_); }
   void run();
   SegmentedFrame segment(const ImageToSegment& image);
 
@@ -61,6 +67,7 @@ class SegmentationWorker {
   mutable std::mutex mutex_;         // of what follows
   std::condition_variable changed_;  // of any of it
   std::optional<ImageToSegment> waiting_;
+  std::chrono::steady_clock::time_point submitted_;  // the newest image
   std::vector<SegmentedFrame> done_;
   bool working_ = false, ending_ = false;
   int dropped_ = 0;

@@ -13,8 +13,18 @@ const FrameResult& Recorder::add(FrameResult result) {
   result.tracking.mover.reset();  // its mask is large, and no report shows it
   tracked_ += result.tracking.state == TrackingState::tracking;
   results_.push_back(std::move(result));
+  note_delays(findings.segmented);
   keep(std::move(findings));
   return results_.back();
+}
+
+// Of what the newest frame was told.
+void Recorder::note_delays(const std::vector<SegmentedFrame>& found) {
+  for (const SegmentedFrame& seen : found) {
+    const auto shown = std::find_if(results_.rbegin(), results_.rend(),
+                                    [&](const FrameResult& result) { return result.index == seen.frame; });
+    if (shown != results_.rend()) mask_delays_.add(results_.back().timestamp - shown->timestamp);
+  }
 }
 
 void Recorder::finish() { keep(slam_.finish()); }

@@ -14,6 +14,7 @@
 #include <set>
 #include <vector>
 
+#include "nn/base/samples.h"
 #include "slam/geometry/trajectory.h"
 #include "slam/pipeline/slam.h"
 
@@ -56,8 +57,11 @@ class Recorder {
   // What the segmenter saw in each frame for which that is kept and that it was shown, followed or not; masks
   // of half the size.
   const std::map<int, std::vector<Instance>>& masks() const { return masks_; }
+  // Seconds from a frame that the segmenter was shown to the first that knew what it saw.
+  const Samples& mask_delays() const { return mask_delays_; }
 
  private:
+  void note_delays(const std::vector<SegmentedFrame>& found);
   void keep(Findings findings);
 
   Slam& slam_;
@@ -67,6 +71,7 @@ class Recorder {
   std::vector<TrackedInstance> gone_;
   std::map<int, std::vector<InstanceSighting>> sightings_;
   std::map<int, std::vector<Instance>> masks_;
+  Samples mask_delays_;
 };
 
 }  // namespace penumbra::slam

@@ -99,6 +99,7 @@ void add_semantics(FieldList f, SemanticsSettings& s) {
   f.word("mode", s.mode);
   f.count("interval", s.interval, "frames", 1.0);
   f.number("longest_gap_seconds", s.longest_gap_seconds, "seconds", 0.0, 1e9);
+  f.flag("keeps_pace", s.keeps_pace);
   f.number("threads", s.threads, "threads; 0: all of the others but one", 0.0, 256.0);
   add(f.group("instances"), s.instances);
   add(f.group("static_points"), s.static_points);

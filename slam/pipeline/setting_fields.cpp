@@ -88,7 +88,7 @@ void add(FieldList f, TrackerSettings& s, RigidMoverSettings& rigid_mover) {
   f.count("steps_before_restart", s.steps_before_restart, "frames");
   f.count("fewest_covered_points", s.fewest_covered_points, "stereo points");
   FieldList keyframes = f.group("keyframes");
-  keyframes.number("least_similarity", s.keyframes.least_similarity, "share; 0: by the sensor", 0.0, 1.0);
+  keyframes.share("least_similarity", s.keyframes.least_similarity);
   keyframes.number("least_close_share", s.keyframes.least_close_share, "share; 0: by the sensor", 0.0, 1.0);
   keyframes.number("longest_gap_seconds", s.keyframes.longest_gap_seconds, "seconds", 0.0, 1e9);
   f.metres("motion_change_metres", s.motion_change_metres);

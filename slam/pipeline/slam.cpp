@@ -94,6 +94,10 @@ Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settin
   }
 }
 
+void Slam::keep_pace(double timestamp) {
+  if (settings_.semantics.keeps_pace) segmentation_.keep_pace(timestamp - segmented_time_);
+}
+
 FrameResult Slam::process(const StereoImages& images) {
   measurer_.check(images, camera_);
   const Stopwatch watch;

@@ -89,6 +89,11 @@ class Slam {
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
+  // For who plays a recording faster than it was taken, before process(): waits for the segmenter as long as
+  // a live camera would have given it until the frame of this time, in seconds. So no frame finds less than
+  // it would live, however fast the tracker is; a slow network is still late. Does nothing where
+  // `semantics.keeps_pace` is off.
+  void keep_pace(double timestamp);
   // Takes the next pair, or the next image with its depth, as the sensor has them; grey or colour, of the
   // camera's size (InputError otherwise, and where the first pairs show that left and right are exchanged).
   FrameResult process(const StereoImages& images);

@@ -6,9 +6,8 @@ namespace penumbra::slam {
 
 namespace {
 
-// How much of a keyframe a frame must show not to become one itself (docs/slam/mapping.md).
-constexpr double kStereoSimilarity = 0.35, kStereoCloseShare = 0.35;
-constexpr double kRgbdSimilarity = 0.35, kRgbdCloseShare = 0.25;
+// How many of a keyframe's close points a frame must show not to become one itself (docs/slam/mapping.md).
+constexpr double kStereoCloseShare = 0.35, kRgbdCloseShare = 0.25;
 
 }  // namespace
 
@@ -16,11 +15,8 @@ SlamSettings with_derived(SlamSettings settings, Sensor sensor, const StereoCame
   const double close = close_depth(camera, settings.mapper.point_creation);
   settings.tracker.keyframes.close_depth = settings.semantics.instances.close_depth = close;
   KeyframeSettings& keyframes = settings.tracker.keyframes;
-  const bool rgbd = sensor == Sensor::rgbd;
-  if (keyframes.least_similarity == 0.0)
-    keyframes.least_similarity = rgbd ? kRgbdSimilarity : kStereoSimilarity;
   if (keyframes.least_close_share == 0.0)
-    keyframes.least_close_share = rgbd ? kRgbdCloseShare : kStereoCloseShare;
+    keyframes.least_close_share = sensor == Sensor::rgbd ? kRgbdCloseShare : kStereoCloseShare;
   settings.tracker.extends_map = !settings.localise;
   // Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
   const int threads = std::max(1, settings.deterministic ? settings.threads : settings.threads - 1);

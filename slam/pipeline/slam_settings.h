@@ -25,6 +25,7 @@ struct SemanticsSettings {
   SegmentationMode mode = SegmentationMode::keyframes;
   int interval = 1;                   // frames, of SegmentationMode::interval
   double longest_gap_seconds = 0.15;  // of SegmentationMode::keyframes: people go on where the camera stands
+  bool keeps_pace = true;             // recordings wait for masks as live cameras do (Slam::keep_pace)
   // Of the network beside the tracker; 0: all but one of `SlamSettings::threads`. With as many as there are
   // processors its threads would wait for each other whenever the tracker holds one of them.
   int threads = 0;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "nn/base/error.h"
-#include "slam/geometry/association.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/sources/euroc_files.h"
 #include "slam/sources/folder_listing.h"
@@ -59,23 +58,13 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
   const std::vector<ListedImage>&left_images = left_list.images, &right_images = right_list.images;
   recording.notes = joined_notes(left_list, right_list);
   note_unused_rate(options.frame_rate, folders[0] / "data.csv", recording.notes);
-  for (const auto& [l, r] : associate_times(times_of(left_images), times_of(right_images), pair_within)) {
+  const PairingTexts texts{mav.string(), "images of cam0 and cam1 with the same times (at most {:g} s apart)",
+                           "images of cam0", "of cam1"};
+  for (const auto& [l, r] : pair_by_time(left_list, right_list, pair_within, texts, recording.notes)) {
     recording.frames.push_back({static_cast<int>(recording.frames.size()), left_images[l].timestamp,
                                 folders[0] / "data" / left_images[l].name,
                                 folders[1] / "data" / right_images[r].name});
   }
-  if (recording.frames.empty()) {
-    throw InputError(
-        mav.string(),
-        fmt::format("images of cam0 and cam1 with the same times (at most {:g} s apart)", pair_within),
-        nearest_times(left_list, right_list) + " (--pair-within)");
-  }
-  const std::size_t alone = left_images.size() + right_images.size() - 2 * recording.frames.size();
-  if (alone > 0)
-    recording.notes.push_back(fmt::format(
-        "{} pairs of {} images of cam0 and {} of cam1; {} images without a partner within {:g} s are left "
-        "out",
-        recording.frames.size(), left_images.size(), right_images.size(), alone, pair_within));
   const SE3 T_B_rectified =
       left.T_BS * SE3{rectification.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
   recording.ground_truth = find_ground_truth(mav, &recording.notes);

@@ -115,6 +115,23 @@ ImageList read_list(const std::filesystem::path& path, const Form& form) {
   return list;
 }
 
+std::vector<double> times_of(const std::vector<ListedImage>& images) {
+  std::vector<double> times;
+  for (const ListedImage& image : images) times.push_back(image.timestamp);
+  return times;
+}
+
+// For errors: how near the times of two lists come to each other.
+std::string nearest_times(const ImageList& first, const ImageList& second) {
+  double nearest = HUGE_VAL;
+  for (std::size_t i = 0, j = 0; i < first.images.size() && j < second.images.size();) {
+    const double difference = first.images[i].timestamp - second.images[j].timestamp;
+    nearest = std::min(nearest, std::abs(difference));
+    ++(difference < 0.0 ? i : j);
+  }
+  return fmt::format("none: the nearest two are {:.4g} s apart", nearest);
+}
+
 }  // namespace
 
 ImageList read_tum_image_list(const std::filesystem::path& path) { return read_list(path, kTum); }
@@ -127,20 +144,20 @@ std::vector<std::string> joined_notes(const ImageList& first, const ImageList& s
   return notes;
 }
 
-std::string nearest_times(const ImageList& first, const ImageList& second) {
-  double nearest = HUGE_VAL;
-  for (std::size_t i = 0, j = 0; i < first.images.size() && j < second.images.size();) {
-    const double difference = first.images[i].timestamp - second.images[j].timestamp;
-    nearest = std::min(nearest, std::abs(difference));
-    ++(difference < 0.0 ? i : j);
+std::vector<TimePair> pair_by_time(const ImageList& first, const ImageList& second, double within,
+                                   const PairingTexts& texts, std::vector<std::string>& notes) {
+  std::vector<TimePair> pairs = associate_times(times_of(first.images), times_of(second.images), within);
+  if (pairs.empty()) {
+    throw InputError(texts.place, fmt::format(fmt::runtime(texts.expected), within),
+                     nearest_times(first, second) + " (--pair-within)");
   }
-  return fmt::format("none: the nearest two are {:.4g} s apart", nearest);
-}
-
-std::vector<double> times_of(const std::vector<ListedImage>& images) {
-  std::vector<double> times;
-  for (const ListedImage& image : images) times.push_back(image.timestamp);
-  return times;
+  const std::size_t alone = first.images.size() + second.images.size() - 2 * pairs.size();
+  if (alone > 0) {
+    notes.push_back(fmt::format(
+        "{} pairs of {} {} and {} {}; {} images without a partner within {:g} s are left out", pairs.size(),
+        first.images.size(), texts.first, second.images.size(), texts.second, alone, within));
+  }
+  return pairs;
 }
 
 }  // namespace penumbra::slam

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "slam/geometry/association.h"
+
 namespace penumbra::slam {
 
 struct ListedImage {
@@ -28,10 +30,17 @@ ImageList read_euroc_image_list(const std::filesystem::path& path);
 // The notes of two lists, those of the first before those of the second.
 std::vector<std::string> joined_notes(const ImageList& first, const ImageList& second);
 
-// The images' times.
-std::vector<double> times_of(const std::vector<ListedImage>& images);
+// What pair_by_time says where images find no partner.
+struct PairingTexts {
+  std::string place;          // of the two lists
+  std::string expected;       // of the error; "{:g}" in it stands for the seconds
+  std::string first, second;  // what the note calls the images of each list, such as "colour"
+};
 
-// For errors: how near the times of two lists come to each other.
-std::string nearest_times(const ImageList& first, const ImageList& second);
+// Images of two lists that belong together, each in one pair at most, with at most `within` seconds between
+// them: places in the lists (slam/geometry/association.h). A note counts those without a partner. Throws
+// InputError where there is no pair.
+std::vector<TimePair> pair_by_time(const ImageList& first, const ImageList& second, double within,
+                                   const PairingTexts& texts, std::vector<std::string>& notes);
 
 }  // namespace penumbra::slam

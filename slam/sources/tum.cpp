@@ -6,7 +6,6 @@
 #include <string>
 
 #include "nn/base/error.h"
-#include "slam/geometry/association.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/sources/camera_file.h"
 #include "slam/sources/folder_listing.h"
@@ -111,21 +110,12 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   recording.left = camera.left;
   recording.depth_factor = file.depth_factor;
   recording.colour = colour_of(options.cameras, nn::ImageColour::bgr);
-  for (const auto& [c, d] : associate_times(times_of(colour), times_of(depth), pair_within)) {
+  const PairingTexts texts{folder.string(), "colour and depth images within {:g} s of each other", "colour",
+                           "depth images"};
+  for (const auto& [c, d] : pair_by_time(colour_list, depth_list, pair_within, texts, recording.notes)) {
     recording.frames.push_back({static_cast<int>(recording.frames.size()), colour[c].timestamp,
                                 folder / colour[c].name, folder / depth[d].name,
                                 depth[d].timestamp - colour[c].timestamp});
-  }
-  if (recording.frames.empty()) {
-    throw InputError(folder.string(),
-                     fmt::format("colour and depth images within {:g} s of each other", pair_within),
-                     nearest_times(colour_list, depth_list) + " (--pair-within)");
-  }
-  const std::size_t alone = colour.size() + depth.size() - 2 * recording.frames.size();
-  if (alone > 0) {
-    recording.notes.push_back(fmt::format(
-        "{} pairs of {} colour and {} depth images; {} images without a partner within {:g} s are left out",
-        recording.frames.size(), colour.size(), depth.size(), alone, pair_within));
   }
   if (is_present(folder / "groundtruth.txt")) {
     recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt", &recording.notes);

@@ -40,10 +40,9 @@ struct Recording {
   float exposure_change = 0.1F;  // the exposure hunts by about this share around the automatic one
   float noise = 1.3F;            // sigma, grey levels
   float shutter = 0.0F;          // seconds that the shutter is open; 0: no motion blur
-  float readout = 0.0F;  // seconds from the first row's exposure to the last one's; 0: all rows at once
-  float depth_delay =
-      0.0F;  // seconds from the image to the depth, of Sensor::rgbd; as real cameras' shutters differ
-  float glare = 0.0F;  // share of the light of sun and sky that strays over the image
+  float readout = 0.0F;      // seconds from the first row's exposure to the last one's; 0: all rows at once
+  float depth_delay = 0.0F;  // seconds from the image to the depth, of Sensor::rgbd
+  float glare = 0.0F;        // share of the light of sun and sky that strays over the image
   std::optional<DepthCameraSettings>
       depth_camera;  // of Sensor::rgbd; empty: the simple one of depth_sensor.h
 };

@@ -9,8 +9,8 @@
 // the motion T_dc between them a feature's point p, its depth still unknown, is found by looking where it
 // was:
 //
-//   p = z b_u,   u' = project(T_dc p),   z <- (T_dc^-1 Z(u') b_u').z        b_u = ((u - cx) / fx, (v - cy) /
-//   fy, 1)
+//   p = z b_u,   u' = project(T_dc p),   z <- (T_dc^-1 Z(u') b_u').z
+//   b_u = ((u - cx) / fx, (v - cy) / fy, 1)
 //
 // from z = Z(u), or where that is unknown, 2 m; two rounds, of which the second sees to parallax.
 // Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-A.

@@ -19,9 +19,10 @@
 namespace penumbra::slam {
 
 struct KeyframeSettings {
-  // Shares of the keyframe's points and of its close points; 0: by the sensor (slam_settings.h). A depth
-  // camera measures all that it sees at once, a stereo pair needs more views of what is far.
-  double least_similarity = 0.0, least_close_share = 0.0;
+  double least_similarity = 0.35;
+  // Share of the keyframe's close points; 0: by the sensor (slam_settings.h). A depth camera measures all
+  // that it sees at once, a stereo pair needs more views of what is far.
+  double least_close_share = 0.0;
   double close_depth = 20.0;  // metres; up to which stereo depth counts as close
   double longest_gap_seconds = 5.0;
 };

@@ -56,6 +56,13 @@ TEST_F(InstanceAssociation, PrefersTheSameClass) {
   EXPECT_EQ(owner(view_at(4, 135, 10.0)), -1) << "near, but no car";
 }
 
+TEST_F(InstanceAssociation, WhatCanMoveIsNothingThatCannot) {
+  tracks = {track_of("chair", view_at(4, 100, 10.0))};
+  EXPECT_EQ(owner(view_at(4, 100, 10.0)), -1);
+  tracks = {track_of("", view_at(4, 100, 10.0))};
+  EXPECT_EQ(owner(view_at(4, 100, 10.0)), 0) << "found by its motion, it may be anything";
+}
+
 TEST_F(InstanceAssociation, KnowsWhatIsOutOfSightByItsPlaceUnlessItMoves) {
   tracks = {track_of("car", view_at(2, 100, 10.0))};
   EXPECT_EQ(owner(view_at(4, 110, 10.2)), 0);

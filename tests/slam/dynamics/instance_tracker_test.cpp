@@ -161,6 +161,35 @@ TEST(InstanceTracker, ByClassAloneEverythingThatCanMoveIsLeftOut) {
   EXPECT_EQ(drive.marked(), 40);
 }
 
+TEST(InstanceTracker, ByClassAloneABetterViewDecidesWhatItIs) {
+  InstanceTrackerSettings settings = masks_only();
+  settings.check_motion = false;
+  Drive drive(0.0, settings);
+  Instance first = drive.street.instance(5, "car");
+  first.score = 0.6F;
+  drive.to(6);
+  drive.tracker.add(5, {first});
+  const double of_a_car = drive.tracker.instances()[0].moving_probability();
+  drive.to(7);
+  drive.tracker.add(6, {drive.street.instance(6, "person")});
+  ASSERT_EQ(drive.tracker.instances().size(), 1U);
+  EXPECT_EQ(drive.tracker.instances()[0].class_name, "person");
+  EXPECT_GT(drive.tracker.instances()[0].moving_probability(), of_a_car) << "people usually move";
+}
+
+TEST(InstanceTracker, ByClassAloneSomebodyBeforeAChairIsLeftOut) {
+  InstanceTrackerSettings settings = masks_only();
+  settings.check_motion = false;
+  Drive drive(0.0, settings);
+  drive.to(6);
+  drive.tracker.add(5, {drive.street.instance(5, "chair")});
+  drive.to(7);
+  EXPECT_EQ(drive.marked(), 0);
+  drive.tracker.add(6, {drive.street.instance(6, "person")});
+  drive.to(8);
+  EXPECT_EQ(drive.marked(), 40);
+}
+
 TEST(InstanceTracker, KeepsTheIdentityOverSeveralDetections) {
   Drive drive(8.0, masks_only());
   for (const int frame : {3, 6, 9}) {

@@ -52,6 +52,31 @@ TEST(SegmentationWorker, TheNewestImageWins) {
   EXPECT_EQ(worker.dropped(), 3);
 }
 
+TEST(SegmentationWorker, ARecordingThatIsPlayedWaitsForTheImageUnderWay) {
+  SegmentationWorker worker(one_instance, /*threaded=*/true);
+  worker.keep_pace(1e9);  // nothing was submitted
+  worker.submit({1, {}, {}});
+  worker.keep_pace(1e9);  // long before that has passed the image is done
+  EXPECT_EQ(worker.take().size(), 1U);
+}
+
+TEST(SegmentationWorker, ARecordingThatIsPlayedWaitsNoLongerThanALiveCamera) {
+  std::promise<void> release;
+  SegmentationWorker worker(
+      [&](const ImageToSegment& image) {
+        release.get_future().wait();
+        return one_instance(image);
+      },
+      /*threaded=*/true);
+  worker.submit({1, {}, {}});
+  worker.keep_pace(0.001);  // the network is not ready, the next frame goes on without it
+  worker.keep_pace(-1.0);   // as where times go back
+  EXPECT_TRUE(worker.take().empty());
+  release.set_value();
+  worker.drain();
+  EXPECT_EQ(worker.take().size(), 1U);
+}
+
 TEST(SegmentationWorker, ItsNetworkHasTheThreadsThatItIsGiven) {
   const int before = omp_get_max_threads();
   int seen = 0;

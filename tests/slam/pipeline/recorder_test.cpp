@@ -50,6 +50,19 @@ TEST(Recorder, KeepsMasksAtHalfTheSize) {
   EXPECT_TRUE(kept[2].mask.empty());
 }
 
+TEST(Recorder, KnowsHowLateMasksCame) {
+  Slam slam(kRecordedCamera, Sensor::rgbd, {});
+  Recorder record(slam);
+  for (int frame = 0; frame < 4; ++frame) {
+    FrameResult result = recorded_frame(10 + frame, false);
+    result.timestamp = 100.0 + 0.5 * frame;
+    if (frame == 1) result.findings.segmented = {{10, {}}};
+    if (frame == 3) result.findings.segmented = {{11, {}}, {7, {}}};  // 7: not a frame of this run
+    record.add(std::move(result));
+  }
+  EXPECT_EQ(record.mask_delays().values(), (std::vector<double>{0.5, 1.0}));
+}
+
 TEST(Recorder, KeepsNoMasksUnlessAsked) {
   Slam slam(kRecordedCamera, Sensor::rgbd, {});
   Recorder record(slam);
