@@ -2,7 +2,6 @@
 
 #include "apps/common/log.h"
 #include "nn/base/text.h"
-#include "nn/models/class_names.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
@@ -20,13 +19,7 @@ void add_key_option(CLI::App* command, std::string& key) {
 
 LoadedNetwork load_network(const std::filesystem::path& path, const std::filesystem::path& classes,
                            const nn::NetworkConfig& config, const std::string& key) {
-  const nn::StateDict weights = load_noted_weights(path, key);
-  LoadedNetwork loaded;
-  loaded.source = path.string();
-  loaded.network = nn::make_network(weights, config);
-  loaded.names =
-      nn::class_names(weights, loaded.network->classes(), classes, loaded.network->has_background());
-  return loaded;
+  return network_of(load_noted_weights(path, key), path, classes, config);
 }
 
 }  // namespace penumbra::apps

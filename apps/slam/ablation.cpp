@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "apps/network/load_network.h"
 #include "apps/slam/point_truth.h"
 #include "apps/slam/segmenter.h"
 #include "apps/view/frame_picture.h"

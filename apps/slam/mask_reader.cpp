@@ -139,4 +139,9 @@ slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
   };
 }
 
+slam::Segmenter make_segmenter(const std::filesystem::path& masks, const slam::StereoCamera& camera,
+                               const slam::SemanticsSettings& settings) {
+  return refine_masks(make_mask_reader(masks), camera, settings);
+}
+
 }  // namespace penumbra::apps

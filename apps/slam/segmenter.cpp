@@ -33,8 +33,10 @@ slam::Instance to_instance(const nn::Detection& detection, const std::vector<std
   return instance;
 }
 
-slam::Segmenter refined(slam::Segmenter segmenter, const slam::StereoCamera& camera,
-                        const slam::SemanticsSettings& settings) {
+}  // namespace
+
+slam::Segmenter refine_masks(slam::Segmenter segmenter, const slam::StereoCamera& camera,
+                             const slam::SemanticsSettings& settings) {
   switch (settings.depth_masks.masks) {
     case slam::InstanceMasks::depth_clusters:
       return slam::masks_from_depth(std::move(segmenter), camera, settings.instances.least_score,
@@ -49,8 +51,6 @@ slam::Segmenter refined(slam::Segmenter segmenter, const slam::StereoCamera& cam
   }
   return segmenter;
 }
-
-}  // namespace
 
 nn::NetworkConfig slam_network_config() {
   nn::NetworkConfig config;
@@ -72,7 +72,7 @@ slam::Segmenter make_segmenter(const LoadedNetwork& loaded, const slam::StereoCa
                      "depth-clusters, which makes masks of boxes",
                      loaded.network->name() + ", boxes only");
   }
-  return refined(
+  return refine_masks(
       [loaded, boxes](const slam::ImageToSegment& from) {
         std::vector<slam::Instance> instances;
         for (const nn::Detection& detection : (*loaded.network)(from.image)) {
@@ -85,11 +85,6 @@ slam::Segmenter make_segmenter(const LoadedNetwork& loaded, const slam::StereoCa
         return instances;
       },
       camera, settings);
-}
-
-slam::Segmenter make_segmenter(const std::filesystem::path& masks, const slam::StereoCamera& camera,
-                               const slam::SemanticsSettings& settings) {
-  return refined(make_mask_reader(masks), camera, settings);
 }
 
 }  // namespace penumbra::apps

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "apps/network/load_network.h"
+#include "apps/network/loaded_network.h"
 #include "slam/dynamics/instance.h"
 #include "slam/pipeline/slam.h"
 
@@ -17,6 +17,10 @@ nn::NetworkConfig slam_network_config();
 // in them by depth.
 slam::Segmenter make_segmenter(const LoadedNetwork& loaded, const slam::StereoCamera& camera,
                                const slam::SemanticsSettings& settings);
+
+// The same instances with the masks that DepthMaskSettings::masks says.
+slam::Segmenter refine_masks(slam::Segmenter segmenter, const slam::StereoCamera& camera,
+                             const slam::SemanticsSettings& settings);
 
 // Score below which the network's instances are left out, unless a user says otherwise: detectors that draw
 // boxes alone give people lower scores than Mask R-CNN does.

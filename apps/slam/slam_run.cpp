@@ -13,6 +13,7 @@
 #include "apps/common/log.h"
 #include "apps/common/process_usage.h"
 #include "apps/common/progress_bar.h"
+#include "apps/network/load_network.h"
 #include "apps/slam/segmenter.h"
 #include "apps/slam/semantics_options.h"
 #include "apps/slam/slam_results.h"

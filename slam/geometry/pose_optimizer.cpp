@@ -129,6 +129,7 @@ class PoseSearch {
     T_cw_ = moved_;
     at_ = there_;
   }
+  Matrix6d information() const { return at_.H.selfadjointView<Eigen::Lower>(); }
 
  private:
   const Problem& problem_;
@@ -142,21 +143,23 @@ class PoseSearch {
 PoseEstimate optimize(const StereoCamera& camera, const SE3& initial,
                       std::span<const PoseObservation> observations, const std::optional<PosePrior>& prior,
                       const std::vector<char>* begin_with) {
-  const PoseEstimate failed{initial, std::vector<char>(observations.size(), 0), 0};
+  const PoseEstimate failed{initial, std::vector<char>(observations.size(), 0), 0, Matrix6d::Zero()};
   if (observations.size() < 3 || !initial.is_finite()) return failed;
   Problem problem(camera, observations, prior);
   if (begin_with != nullptr) problem.begin_with(*begin_with);
   SE3 T_cw = initial;
   int inliers = 0;
+  Matrix6d information = Matrix6d::Zero();
   for (int round = 0; round < kPoseRounds; ++round) {
     PoseSearch search(problem, T_cw, round + 1 < kPoseRounds);
     levenberg_marquardt(search, kDamping);
+    information = search.information();
     inliers = problem.classify(T_cw);
     if (inliers < 3) return failed;
   }
   T_cw.normalize();
   if (!T_cw.is_finite()) return failed;
-  return {T_cw, problem.inlier(), inliers};
+  return {T_cw, problem.inlier(), inliers, information};
 }
 
 }  // namespace

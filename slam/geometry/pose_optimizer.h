@@ -26,6 +26,8 @@ struct PoseEstimate {
   SE3 T_cw;
   std::vector<char> inlier;  // per observation
   int inliers = 0;
+  // H of the last round, undamped: its inverse is the covariance of xi, for points that are known exactly.
+  Matrix6d information = Matrix6d::Zero();
 };
 
 // What is known of the pose beforehand, with standard deviations in metres and radians.

@@ -98,6 +98,7 @@ void RunCheck::add(const StereoImages& images, const FrameResult& result) {
     depths_.add(result.median_depth);
     if (depths_.count() == kDepthFrames) check_depth();
   }
+  newest_reason_.clear();
   if (located) {
     check_speed(images.timestamp, result);
   } else {
@@ -129,6 +130,7 @@ LostReason RunCheck::reason_of(const StereoImages& images, const FrameResult& re
 void RunCheck::note_lost(int index, LostReason reason) {
   if (lost_++ == 0) first_lost_ = index;
   last_lost_ = index;
+  newest_reason_ = text_of(reason, sensor_);
   const int times = ++lost_for_[static_cast<int>(reason)];
   const bool is_of_the_images = reason != LostReason::unreadable && reason < LostReason::covered;
   if (is_of_the_images && times == kSuchFrames)

@@ -45,6 +45,8 @@ class RunCheck {
   // A frame whose images could not be read.
   void add_unreadable(int index);
 
+  // Why the frame that was added last was not located; empty where it was.
+  const std::string& newest_reason() const { return newest_reason_; }
   // What there is to say since the last call.
   std::vector<std::string> take_warnings();
   // The two that follow look at all frames so far: they are for the end, and for now and then.
@@ -64,6 +66,7 @@ class RunCheck {
   StereoCamera camera_;
   Sensor sensor_;
   std::vector<std::string> warnings_;
+  std::string newest_reason_;
   Samples depths_, steps_;  // metres, seconds
   int frames_ = 0, lost_ = 0, first_lost_ = 0, last_lost_ = 0;
   int lost_for_[kLostReasons] = {};

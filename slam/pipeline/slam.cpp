@@ -104,6 +104,7 @@ FrameResult Slam::process(const StereoImages& images) {
   // What covers the view takes its share of the features: the rest of the street needs its own.
   constexpr double kMostFeatures = 2.5;
   const double more = std::min(kMostFeatures, 1.0 / std::max(0.1, 1.0 - instances_.covered_share()));
+  tracker_.expect(images.step);
   const std::shared_ptr<const FrameFeatures> features =
       measurer_.measure(images, camera_, more, timer_, motion_to_depth(images));
   FrameResult result =
@@ -122,6 +123,7 @@ SE3 Slam::motion_to_depth(const StereoImages& images) const {
 
 FrameResult Slam::process_missing(int index, double timestamp) {
   const Stopwatch watch;
+  tracker_.expect(std::nullopt);
   FrameResult result = process(timestamp, std::make_shared<FrameFeatures>(), {index, {}, {}});
   result.milliseconds = watch.milliseconds();
   timer_.add("frame", result.milliseconds);

@@ -21,6 +21,9 @@ struct StereoImages {
   ByteImage left, right;     // grey (1 channel) or BGR (3 channels), of the camera's size
   FloatImage depth;          // instead of `right`: metres along z, 0 where unknown
   double depth_delay = 0.0;  // seconds from the colour image to the depth image
+  // How the camera moved since the frame before (T_now_before), where wheels or an inertial sensor tell it: a
+  // guess from which the images are compared.
+  std::optional<SE3> step = std::nullopt;
 };
 
 class StereoDataset {

@@ -52,7 +52,8 @@ Arrows read_includes(std::map<std::string, std::string>& files) {
       for (std::string line; std::getline(source, line);) {
         constexpr std::string_view kInclude = "#include \"";
         if (!line.starts_with(kInclude)) continue;
-        const std::string to = folder_of(line.substr(kInclude.size(), line.rfind('"') - kInclude.size()));
+        std::string to = folder_of(line.substr(kInclude.size(), line.rfind('"') - kInclude.size()));
+        if (to == "penumbra") to = "apps/library/penumbra";  // as other programs include it
         if (to == from) continue;
         found[from].insert(to);
         files.emplace(from + " -> " + to, name);

@@ -21,6 +21,7 @@ void Hypothesis::begin(const Frame& frame, KeyFrame* old_reference) {
   report = {};
   inliers = 0;
   off_map = false;
+  information.setZero();
 }
 
 }  // namespace penumbra::slam

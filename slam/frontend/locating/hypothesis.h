@@ -37,6 +37,7 @@ struct Hypothesis {
   PairsReport report;                 // how it compares with the last frame
   int inliers = 0;       // what agrees with the pose: map points, or off the map pairs with the last frame
   bool off_map = false;  // found by the last frame alone: the map does not reach here yet
+  Matrix6d information = Matrix6d::Zero();  // of the pose, by the map (PoseEstimate); 0 off the map
 
   // Pairs with the last frame that agree with the pose.
   int pairs() const { return report.frame_inliers; }

@@ -19,6 +19,7 @@ void search_local_map(const LocatingInput& in, const std::optional<PosePrior>& p
   found.success = found.inliers >= in.fewest(in.settings.fewest_map_inliers);
   if (found.success) {
     found.T_cw = estimate.T_cw;
+    found.information = estimate.information;
   } else {
     found.inliers = 0;
   }

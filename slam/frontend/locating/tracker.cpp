@@ -36,6 +36,7 @@ TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
     static_cast<PairsReport&>(report) = std::move(best_.report);
     report.map_inliers = best_.inliers;
     report.off_map = best_.off_map;
+    report.information = best_.information;
     report.recovered = state_ == TrackingState::lost || state_ == TrackingState::occluded;
     if (settings_.extends_map && !best_.off_map) count_sightings();
     take(frame);
@@ -61,7 +62,7 @@ TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
 
 LocatingInput Tracker::input(const Frame& frame, const LastFrame& last) const {
   LocatingInput in{frame, last, map_, index_, settings_, timer_, predicted(frame.timestamp)};
-  in.motion_known = motion_.known();
+  in.motion_known = motion_.known() || told_step_;
   in.prior = expectation(frame, in.predicted);
   in.last_pairs = pairs_;
   in.last_inliers = map_inliers_;

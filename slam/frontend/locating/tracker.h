@@ -61,9 +61,10 @@ struct TrackingReport : PairsReport {
   bool recovered = false;  // a lost one, found again
   bool off_map = false;    // located by the last frame alone: its keyframe begins new ground
   bool wants_keyframe = false;
-  bool starts_submap = false;   // its keyframe is the first of a new sub-map
-  bool second_pose = false;     // located once more, with what the second look gave back
-  double second_look_ms = 0.0;  // the second look, and the pose after it
+  bool starts_submap = false;               // its keyframe is the first of a new sub-map
+  Matrix6d information = Matrix6d::Zero();  // of a pose that was found in the map (PoseEstimate), else 0
+  bool second_pose = false;                 // located once more, with what the second look gave back
+  double second_look_ms = 0.0;              // the second look, and the pose after it
 };
 
 // Told where a frame is by a first pose, and where its features are, clears the marks (`movable`) of features
@@ -89,6 +90,9 @@ class Tracker {
   // Locates `frame` (what was measured is given): fills what the tracker adds (frame.h).
   TrackingReport track(Frame& frame, const SecondLook& second_look = {});
 
+  // What is known from elsewhere, as from wheels, of the motion from the frame before to the next one to be
+  // tracked: T_next_before. It takes the place of the predicted motion; nothing goes back to predicting.
+  void expect(const std::optional<SE3>& step) { told_step_ = step; }
   // Motion that is expected between the frame before and one at `time`.
   SE3 predicted_step(double time) const { return predicted(time) * previous_T_cw_.inverse(); }
 
@@ -100,6 +104,7 @@ class Tracker {
 
  private:
   SE3 predicted(double time) const {
+    if (told_step_) return *told_step_ * previous_T_cw_;
     if (step_) return *step_ * previous_T_cw_;
     return unmeasured_ == 0 ? motion_.predict(previous_T_cw_, previous_time_, time)
                             : motion_.coast(previous_T_cw_, previous_time_, time);
@@ -143,10 +148,11 @@ class Tracker {
   SharpnessTest sharpness_;
   int blurred_candidates_ = 0;  // in a row
   int lost_with_view_ = 0;      // lost frames in a row that showed enough to begin a map
-  std::optional<SE3> step_;     // since the frame before, as the rim of the view tells it
-  RimView rim_, rim_before_;    // of this frame, and of the one before
-  int unmeasured_ = 0;          // frames since the motion was measured last
-  int steps_ = 0;               // frames in a row that share points with one that was not located
+  std::optional<SE3> told_step_;
+  std::optional<SE3> step_;   // since the frame before, as the rim of the view tells it
+  RimView rim_, rim_before_;  // of this frame, and of the one before
+  int unmeasured_ = 0;        // frames since the motion was measured last
+  int steps_ = 0;             // frames in a row that share points with one that was not located
 };
 
 }  // namespace penumbra::slam
