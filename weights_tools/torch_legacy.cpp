@@ -108,7 +108,7 @@ nn::StateDict read_torch_legacy(const std::shared_ptr<const MappedFile>& file, c
 
   nn::StateDict state;
   state.source = place;
-  state.owners.push_back(file);
+  state.file = file;
   MemoryBudget budget(bytes.size());
   add_state(object, find_state_dict(object, place, key), storages, budget, state);
   return state;

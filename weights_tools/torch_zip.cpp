@@ -43,8 +43,8 @@ void check_byte_order(const ZipArchive& archive, const std::string& folder, cons
   if (found == archive.entries().end()) return;
   std::string order = "something long";
   if (found->second.size <= kLongestByteOrder) {
-    const std::shared_ptr<std::byte[]> bytes = archive.read(found->first, found->second, budget);
-    order.assign(reinterpret_cast<const char*>(bytes.get()), found->second.size);
+    const ZipArchive::Bytes read = archive.read(found->first, found->second, budget);
+    order.assign(reinterpret_cast<const char*>(read.bytes.data()), read.bytes.size());
   }
   if (order != "little") throw InputError(place + ": byteorder", "little", printable(order));
 }
@@ -64,12 +64,13 @@ nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, cons
     throw InputError(pickle_place, fmt::format("at most {} bytes", kLongestPickle),
                      fmt::format("{}", pickle_entry->second.size));
   }
-  const std::shared_ptr<std::byte[]> pickle = archive.read(pickle_entry->first, pickle_entry->second, budget);
-  const PickledObject object = run_pickle({pickle.get(), pickle_entry->second.size}, 0, pickle_place);
+  const ZipArchive::Bytes pickle = archive.read(pickle_entry->first, pickle_entry->second, budget);
+  const PickledObject object = run_pickle(pickle.bytes, 0, pickle_place);
   TorchState torch = find_state_dict(object, pickle_place, key);
 
   nn::StateDict state;
   state.source = place;
+  state.file = file;
   std::vector<std::span<const std::byte>> storages(object.storages.size());
   std::vector<bool> is_read(object.storages.size(), false);
   for (const TorchTensor* tensor : tensors_to_read(torch)) {
@@ -87,9 +88,13 @@ nn::StateDict read_torch_zip(const std::shared_ptr<const MappedFile>& file, cons
       throw InputError(where, fmt::format("a storage of {} elements of {} bytes", request.elements, element),
                        fmt::format("{} bytes", size));
     }
-    const std::shared_ptr<std::byte[]> bytes = archive.read(found->first, found->second, budget);
-    storages[tensor->storage] = {bytes.get(), size};
-    state.owners.push_back(bytes);
+    const ZipArchive::Bytes read = archive.read(found->first, found->second, budget);
+    storages[tensor->storage] = read.bytes;
+    if (read.owner) {
+      state.owners.push_back(read.owner);
+    } else {
+      file->forget(read.bytes);  // until it is read as a weight
+    }
   }
   add_state(object, std::move(torch), storages, budget, state);
   return state;

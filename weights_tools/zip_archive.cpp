@@ -179,24 +179,24 @@ void ZipArchive::list_entries(const Directory& directory) {
   if (at != end) refuse("a directory with more entries than it counts");
 }
 
-std::shared_ptr<std::byte[]> ZipArchive::read(const std::string& name, const ZipEntry& entry,
-                                              MemoryBudget& budget) const {
+ZipArchive::Bytes ZipArchive::read(const std::string& name, const ZipEntry& entry,
+                                   MemoryBudget& budget) const {
   const std::string where = entry_place(name);
-  budget.take(entry.size, where);
-  const std::string_view packed = bytes_.substr(entry.data, entry.packed_size);
-  std::shared_ptr<std::byte[]> buffer = make_buffer(entry.size);
+  std::string_view bytes = bytes_.substr(entry.data, entry.packed_size);
+  std::shared_ptr<std::byte[]> buffer;
   if (entry.deflated) {
-    const std::string problem = unpack(packed, buffer.get(), entry.size);
+    budget.take(entry.size, where);
+    buffer = make_buffer(entry.size);
+    const std::string problem = unpack(bytes, buffer.get(), entry.size);
     if (!problem.empty()) throw InputError(where, "an undamaged zip entry", problem);
-  } else {
-    std::memcpy(buffer.get(), packed.data(), packed.size());
+    bytes = {reinterpret_cast<const char*>(buffer.get()), entry.size};
   }
-  const std::uint32_t crc = nn::crc32({reinterpret_cast<const char*>(buffer.get()), entry.size});
+  const std::uint32_t crc = nn::crc32(bytes);
   if (crc != entry.crc) {
     throw InputError(where, "an undamaged zip entry",
                      fmt::format("check sum {:08x} instead of {:08x}", crc, entry.crc));
   }
-  return buffer;
+  return {std::as_bytes(std::span(bytes)), buffer};
 }
 
 }  // namespace penumbra::weights_tools

@@ -36,9 +36,13 @@ class ZipArchive {
 
   const std::map<std::string, ZipEntry, std::less<>>& entries() const { return entries_; }
 
-  // All bytes of an entry; throws InputError where it is damaged (its check sum is verified).
-  std::shared_ptr<std::byte[]> read(const std::string& name, const ZipEntry& entry,
-                                    MemoryBudget& budget) const;
+  struct Bytes {
+    std::span<const std::byte> bytes;
+    std::shared_ptr<const void> owner;  // null where they lie in the archive
+  };
+  // All bytes of an entry, of a stored one where they lie; throws InputError where it is damaged (its check
+  // sum is verified).
+  Bytes read(const std::string& name, const ZipEntry& entry, MemoryBudget& budget) const;
 
  private:
   struct Directory {

@@ -1,9 +1,9 @@
 #include "apps/bench/benchmark.h"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <vector>
@@ -12,6 +12,7 @@
 #include "apps/common/image_size.h"
 #include "nn/base/counter_random.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/simd/isa.h"
 #include "nn/simd/kernel_table.h"
 
@@ -65,10 +66,9 @@ double peak_gflops() {
   const nn::KernelTable& kernels = nn::kernels();
   double best = 0.0;
   for (int run = 0; run < kRuns; ++run) {
-    double operations = 0.0;
+    std::atomic<double> operations{0.0};
     const double seconds = seconds_of([&] {
-#pragma omp parallel reduction(+ : operations)
-      operations += kernels.peak_loop(kIterations);
+      parallel_for(thread_count(), 1, [&](std::int64_t) { operations += kernels.peak_loop(kIterations); });
     });
     best = std::max(best, operations / seconds * 1e-9);
   }
@@ -76,13 +76,12 @@ double peak_gflops() {
 }
 
 nlohmann::ordered_json machine_json(double peak) {
-  return {
-      {"isa", nn::to_string(nn::current_isa())}, {"threads", omp_get_max_threads()}, {"peak_gflops", peak}};
+  return {{"isa", nn::to_string(nn::current_isa())}, {"threads", thread_count()}, {"peak_gflops", peak}};
 }
 
 void print_machine(double peak) {
-  fmt::print("{}, {} thread{}, peak {:.1f} GFLOP/s\n", nn::to_string(nn::current_isa()),
-             omp_get_max_threads(), omp_get_max_threads() == 1 ? "" : "s", peak);
+  fmt::print("{}, {} thread{}, peak {:.1f} GFLOP/s\n", nn::to_string(nn::current_isa()), thread_count(),
+             thread_count() == 1 ? "" : "s", peak);
 }
 
 }  // namespace penumbra::apps

@@ -1,6 +1,5 @@
 // penumbra bench brain: the brain-inspired SLAM beside odometry alone and RatSLAM's templates.
 #include <fmt/core.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "apps/common/compute_options.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/parallel.h"
 #include "slam/brain/motion/odometry_noise.h"
 #include "slam/sources/open_dataset.h"
 
@@ -58,7 +58,7 @@ void run_bench_brain(const BenchBrainOptions& options) {
   std::vector<BrainRow> rows;
   for (const std::string& name : options.rows) {
     rows.push_back(brain_row(name));
-    rows.back().settings.threads = omp_get_max_threads();
+    rows.back().settings.threads = thread_count();
   }
   slam::brain::LandmarkFinder finder;
   if (std::any_of(rows.begin(), rows.end(), [](const BrainRow& row) {

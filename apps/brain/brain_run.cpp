@@ -1,7 +1,6 @@
 #include "apps/brain/brain_run.h"
 
 #include <fmt/core.h>
-#include <omp.h>
 
 #include <memory>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include "apps/common/progress_bar.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/parallel.h"
 #include "nn/base/stopwatch.h"
 #include "slam/brain/loaded_map.h"
 #include "slam/brain/motion/odometry_file.h"
@@ -45,7 +45,7 @@ class MotionSource {
       spoil_truth(options, dataset, mount);
       name_ = fmt::format("true motion, {} noise, seed {}", options.noise, options.seed);
     } else {
-      visual_.emplace(dataset.camera(), dataset.sensor(), omp_get_max_threads(), mount);
+      visual_.emplace(dataset.camera(), dataset.sensor(), thread_count(), mount);
       name_ = "visual odometry";
     }
   }
@@ -121,7 +121,7 @@ slam::brain::BrainSettings settings_of(const BrainOptions& options) {
   }
   settings.similarity.interest = options.interest == "on";
   settings.relaxation.mode = slam::brain::relaxation_mode(options.relaxation);
-  settings.threads = omp_get_max_threads();
+  settings.threads = thread_count();
   return settings;
 }
 

@@ -1,15 +1,14 @@
 #include "apps/common/compute_options.h"
 
-#include <omp.h>
-
 #include <string>
 
+#include "nn/base/parallel.h"
 #include "nn/simd/isa.h"
 
 namespace penumbra::apps {
 
 void add_threads_option(CLI::App* command) {
-  command->add_option_function<int>("--threads", omp_set_num_threads, "threads (default: all processors)")
+  command->add_option_function<int>("--threads", set_thread_count, "threads (default: all processors)")
       ->check(CLI::Range(1, 1024));
 }
 

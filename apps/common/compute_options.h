@@ -5,7 +5,7 @@
 
 namespace penumbra::apps {
 
-// Adds --threads N (OpenMP threads; default: all processors).
+// Adds --threads N (nn/base/parallel.h; default: all processors).
 void add_threads_option(CLI::App* command);
 // Adds --isa NAME (default: the widest that this machine has).
 void add_isa_option(CLI::App* command);

@@ -14,6 +14,7 @@
 #include "apps/network/loaded_network.h"
 #include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "slam/map/map_file.h"
 #include "slam/map/ply.h"
 #include "slam/pipeline/run_check.h"
@@ -112,6 +113,7 @@ class Slam::Run {
   }
 
   TrackResult track(const Frame& frame) {
+    set_thread_count(settings_.threads);  // of the caller's loops, whichever thread that is
     const slam::StereoImages images = images_of(frame);
     slam::FrameResult found = slam_->process(images);
     tell_movement();  // of the frame before, before this one takes its place

@@ -1,6 +1,5 @@
 // penumbra info: what a checkpoint holds, or what the processor can do.
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include "apps/common/compute_options.h"
 #include "apps/network/load_network.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/base/text.h"
 #include "nn/simd/kernel_table.h"
 #include "nn/simd/low_precision.h"
@@ -93,14 +93,14 @@ void show_cpu(bool json) {
     const nlohmann::ordered_json info = {{"isa", chosen},
                                          {"tile_pixels", tile.pixels},
                                          {"tile_channels", tile.channels},
-                                         {"threads", omp_get_max_threads()},
+                                         {"threads", thread_count()},
                                          {"supported_isas", isas},
                                          {"supported_precisions", precisions}};
     fmt::print("{}\n", info.dump(2));
     return;
   }
   fmt::print("instruction set {}, register tile of {} pixels x {} channels, {} threads\n", chosen,
-             tile.pixels, tile.channels, omp_get_max_threads());
+             tile.pixels, tile.channels, thread_count());
   for (const auto& [title, table] :
        {std::pair("instruction sets", isas), std::pair("precisions", precisions)}) {
     fmt::print("{}:", title);

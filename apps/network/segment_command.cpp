@@ -1,6 +1,5 @@
 // penumbra segment: images in, object instances out, as pictures and as COCO results.
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <chrono>
 #include <filesystem>
@@ -23,6 +22,7 @@
 #include "apps/network/segment_report.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/parallel.h"
 #include "nn/evaluation/coco_results.h"
 #include "nn/image/image_file.h"
 #include "nn/simd/isa.h"
@@ -196,7 +196,7 @@ class SegmentRun {
   void print_json(const std::filesystem::path& results) const {
     const nlohmann::ordered_json json = {{"network", loaded_.network->name()},
                                          {"isa", nn::to_string(nn::current_isa())},
-                                         {"threads", omp_get_max_threads()},
+                                         {"threads", thread_count()},
                                          {"peak_arena_bytes", loaded_.network->arena().peak_bytes()},
                                          {"seconds", seconds_},
                                          {"instances", results_.size() + left_out_},

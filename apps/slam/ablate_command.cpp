@@ -1,6 +1,5 @@
 // penumbra ablate: what the semantics are worth, measured on synthetic drives.
 #include <fmt/core.h>
-#include <omp.h>
 
 #include <memory>
 

@@ -20,6 +20,7 @@
 #include "apps/view/live_view.h"
 #include "apps/view/processor_times.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/base/quantile.h"
 #include "slam/map/map_file.h"
 #include "slam/pipeline/dense_mapper.h"
@@ -275,7 +276,7 @@ void run_slam(const SlamOptions& options) {
   const ResultPlaces places{options.out, options.save_map};
   prepare_places(places);
 
-  omp_set_num_threads(settings.threads);
+  set_thread_count(settings.threads);
   slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter, std::move(map));
   slam::Recorder record(slam);
   std::optional<LiveView> view;

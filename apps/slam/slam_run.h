@@ -2,13 +2,12 @@
 // whatever happens: signals, torn images, a full disk.
 #pragma once
 
-#include <omp.h>
-
 #include <optional>
 #include <set>
 #include <string>
 
 #include "apps/common/dataset_arguments.h"
+#include "nn/base/parallel.h"
 #include "slam/pipeline/slam.h"
 
 namespace penumbra::apps {
@@ -29,7 +28,7 @@ struct SlamOptions {
   std::optional<double> least_score;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false, dense = false, profile = false;
-  int features = 0, threads = omp_get_max_threads(), segmentation_threads = 0;
+  int features = 0, threads = thread_count(), segmentation_threads = 0;
   double checkpoint = 60.0;      // seconds between two; 0: none
   bool strict = false;           // an image that cannot be read ends the run
   double require_tracked = 0.0;  // share of the frames, below which the run has failed

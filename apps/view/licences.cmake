@@ -17,7 +17,7 @@ function(penumbra_collect_licences file)
       "spdlog|messages on stderr|libspdlog-dev"
       "CLI11|the command line|libcli11-dev"
       "JSON for Modern C++|JSON|nlohmann-json3-dev"
-      "GCC's runtime: libstdc++, libgcc, libgomp|C++ and OpenMP|libstdc++6,libgomp1,gcc-12-base"
+      "GCC's runtime: libstdc++, libgcc|C++|libstdc++6,gcc-12-base"
       "GNU C library|C, within the static program|libc6")
     string(REPLACE "|" ";" fields "${entry}")
     list(GET fields 0 name)

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <system_error>
 
 #include "nn/base/error.h"
@@ -44,6 +45,15 @@ std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& 
   mapped->data_ = static_cast<const std::byte*>(data);
   mapped->size_ = size;
   return mapped;
+}
+
+void MappedFile::forget(std::span<const std::byte> part) const {
+  const auto begin = reinterpret_cast<std::uintptr_t>(data_),
+             first = reinterpret_cast<std::uintptr_t>(part.data());
+  if (part.empty() || first < begin || first + part.size() > begin + size_) return;
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const std::uintptr_t from = (first + page - 1) / page * page, to = (first + part.size()) / page * page;
+  if (from < to) (void)::madvise(reinterpret_cast<void*>(from), to - from, MADV_DONTNEED);
 }
 
 MappedFile::~MappedFile() {

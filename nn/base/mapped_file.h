@@ -22,6 +22,9 @@ class MappedFile {
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::span<const std::byte> bytes() const { return {data_, size_}; }
+  // Takes the pages that lie in `part`, if that is a part of the file, out of the process's memory: for what
+  // will hardly be read again. Reading it again is as right as before, and slower.
+  void forget(std::span<const std::byte> part) const;
 
  private:
   MappedFile() = default;

@@ -15,15 +15,13 @@ inline float bf16_to_f32(std::uint16_t bits) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 16);
 }
 
+// Without a branch, so that loops of it become vector code.
 inline float f16_to_f32(std::uint16_t bits) {
-  const std::uint32_t sign = static_cast<std::uint32_t>(bits & 0x8000U) << 16;
-  const std::uint32_t exponent = (bits >> 10) & 0x1FU;
-  const std::uint32_t fraction = bits & 0x3FFU;
-  if (exponent == 0x1FU) return std::bit_cast<float>(sign | 0x7F800000U | (fraction << 13));  // inf, NaN
-  if (exponent != 0) return std::bit_cast<float>(sign | ((exponent + 112U) << 23) | (fraction << 13));
-  // Zero and subnormals: fraction * 2^-24, exact in f32.
-  const float magnitude = static_cast<float>(fraction) * 0x1p-24F;
-  return std::bit_cast<float>(sign | std::bit_cast<std::uint32_t>(magnitude));
+  const std::uint32_t sign = (bits & 0x8000U) << 16, magnitude = (bits & 0x7FFFU) << 13;
+  // As an f32 of the same bits this is 2^-112 times the number, also where it is subnormal.
+  const float number = std::bit_cast<float>(magnitude) * 0x1p112F;
+  const std::uint32_t infinite = (bits & 0x7C00U) == 0x7C00U ? 0x7F800000U : 0U;  // and NaN
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(number) | infinite | sign);
 }
 
 inline std::uint16_t f32_to_f16(float value) {

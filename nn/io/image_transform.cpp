@@ -5,6 +5,7 @@
 
 #include "nn/base/error.h"
 #include "nn/base/linear_sample.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -49,12 +50,12 @@ FeatureMap transform_image(const ByteView& image, const ImageTransform& transfor
 
   const float scale_y = static_cast<float>(height) / static_cast<float>(result.height);
   const float scale_x = static_cast<float>(width) / static_cast<float>(result.width);
-#pragma omp parallel for
-  for (int y = 0; y < map.height(); ++y) {
+  parallel_for(map.height(), grain_of(4 * map.row_stride()), [&](std::int64_t row_number) {
+    const int y = static_cast<int>(row_number);
     float* out = map.pixel(0, 0, y, 0);
     if (y >= result.height) {
       std::fill_n(out, static_cast<std::ptrdiff_t>(map.width()) * kImageBlock, 0.0F);
-      continue;
+      return;
     }
     const LinearSample row = linear_sample(half_pixel(y, scale_y), height);
     const std::uint8_t* upper = image.row(row.low);
@@ -73,7 +74,7 @@ FeatureMap transform_image(const ByteView& image, const ImageTransform& transfor
       out[3] = 0.0F;
     }
     std::fill_n(out, static_cast<std::ptrdiff_t>(map.width() - result.width) * kImageBlock, 0.0F);
-  }
+  });
   return map;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/image/linear_tap.h"
 #include "nn/tensor/arena_vector.h"
 
@@ -57,12 +58,12 @@ FeatureMap letterbox_image(const ByteView& image, const Letterbox& letterbox, Ar
       out[3] = 0.0F;
     }
   };
-#pragma omp parallel for
-  for (int y = 0; y < frame.map_height; ++y) {
+  parallel_for(frame.map_height, grain_of(4 * map.row_stride()), [&](std::int64_t row_number) {
+    const int y = static_cast<int>(row_number);
     float* out = map.pixel(0, 0, y, 0);
     if (y < frame.top || y >= frame.top + frame.height) {
       fill(out, frame.map_width);
-      continue;
+      return;
     }
     fill(out, frame.left);
     out += static_cast<std::ptrdiff_t>(frame.left) * kImageBlock;
@@ -82,7 +83,7 @@ FeatureMap letterbox_image(const ByteView& image, const Letterbox& letterbox, Ar
       out += kImageBlock;
     }
     fill(out, frame.map_width - frame.left - frame.width);
-  }
+  });
   return map;
 }
 

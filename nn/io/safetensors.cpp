@@ -79,7 +79,7 @@ StateDict read_safetensors(const std::filesystem::path& path) {
         std::move(entry.name),
         StoredTensor{entry.type, std::move(entry.shape), data.subspan(entry.begin, entry.end - entry.begin)});
   }
-  state.owners.push_back(file);
+  state.file = file;
   return state;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/io/half.h"
 
 namespace penumbra::nn {
@@ -15,11 +16,15 @@ namespace {
 template <class Stored, class Convert>
 std::vector<float> convert_all(const StoredTensor& tensor, Convert convert) {
   std::vector<float> values(static_cast<std::size_t>(tensor.elements()));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    Stored stored;  // the bytes need not be aligned
-    std::memcpy(&stored, tensor.bytes.data() + i * sizeof(Stored), sizeof(Stored));
-    values[i] = convert(stored);
-  }
+  const auto count = static_cast<std::int64_t>(values.size());
+  parallel_pieces(count, grain_of(1), [&](std::int64_t first, std::int64_t end, int) {
+    const std::byte* from = tensor.bytes.data() + static_cast<std::size_t>(first) * sizeof(Stored);
+    for (std::int64_t i = first; i < end; ++i, from += sizeof(Stored)) {
+      Stored stored;  // the bytes need not be aligned
+      std::memcpy(&stored, from, sizeof(Stored));
+      values[static_cast<std::size_t>(i)] = convert(stored);
+    }
+  });
   return values;
 }
 
@@ -94,9 +99,9 @@ std::vector<float> StoredTensor::to_f32() const {
     case DataType::f32:
       return cast_all<float>(*this);
     case DataType::f16:
-      return convert_all<std::uint16_t>(*this, f16_to_f32);
+      return convert_all<std::uint16_t>(*this, [](std::uint16_t bits) { return f16_to_f32(bits); });
     case DataType::bf16:
-      return convert_all<std::uint16_t>(*this, bf16_to_f32);
+      return convert_all<std::uint16_t>(*this, [](std::uint16_t bits) { return bf16_to_f32(bits); });
     case DataType::i64:
       return cast_all<std::int64_t>(*this);
     case DataType::i32:

@@ -14,6 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "nn/base/mapped_file.h"
+
 namespace penumbra::nn {
 
 // The first row has values that networks can be made of; tensors of the others are only carried along.
@@ -66,6 +68,12 @@ struct StateDict {
   std::map<std::string, std::string> metadata;  // safetensors' __metadata__, or what a pickled network says
   std::vector<std::string> notes;               // what the reader chose or left out, for the user
   std::vector<std::shared_ptr<const void>> owners;  // keep the bytes alive
+  std::shared_ptr<const MappedFile> file;           // in which some of them lie; null for none
+
+  // The tensor has been read: its part of the file need not stay in memory.
+  void forget(const StoredTensor& tensor) const {
+    if (file) file->forget(tensor.bytes);
+  }
 };
 
 }  // namespace penumbra::nn

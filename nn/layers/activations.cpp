@@ -1,5 +1,6 @@
 #include "nn/layers/activations.h"
 
+#include "nn/base/parallel.h"
 #include "nn/simd/exponential.h"
 #include "nn/simd/kernel_table.h"
 
@@ -10,40 +11,34 @@ void activate(float* values, std::ptrdiff_t count, Activation activation, float 
 }
 
 void activate(FeatureMap& map, Activation activation, float slope) {
-#pragma omp parallel for collapse(3)
-  for (int n = 0; n < map.images(); ++n) {
-    for (int b = 0; b < map.blocks(); ++b) {
-      for (int y = 0; y < map.height(); ++y) {
-        activate(map.pixel(n, b, y, 0), static_cast<std::ptrdiff_t>(map.width()) * map.block(), activation,
-                 slope);
-      }
-    }
-  }
+  parallel_for({map.images(), map.blocks(), map.height()}, grain_of(map.row_stride()),
+               [&](int n, int b, int y) {
+                 activate(map.pixel(n, b, y, 0), static_cast<std::ptrdiff_t>(map.width()) * map.block(),
+                          activation, slope);
+               });
 }
 
 void softmax_channels(FeatureMap& map) {
   const int last_lanes = map.channels() - (map.blocks() - 1) * map.block();
   const auto lanes = [&](int b) { return b + 1 < map.blocks() ? map.block() : last_lanes; };
-#pragma omp parallel for collapse(2)
-  for (int n = 0; n < map.images(); ++n) {
-    for (int y = 0; y < map.height(); ++y) {
-      for (int x = 0; x < map.width(); ++x) {
-        float top = map.pixel(n, 0, y, x)[0], sum = 0.0F;
-        for (int b = 0; b < map.blocks(); ++b) {
-          const float* f = map.pixel(n, b, y, x);
-          for (int c = 0; c < lanes(b); ++c) top = std::max(top, f[c]);
-        }
-        for (int b = 0; b < map.blocks(); ++b) {
-          float* f = map.pixel(n, b, y, x);
-          for (int c = 0; c < lanes(b); ++c) sum += f[c] = exponential(f[c] - top);
-        }
-        for (int b = 0; b < map.blocks(); ++b) {
-          float* f = map.pixel(n, b, y, x);
-          for (int c = 0; c < lanes(b); ++c) f[c] /= sum;
-        }
+  const std::int64_t row_values = std::int64_t{map.blocks()} * map.row_stride();
+  parallel_for({map.images(), map.height()}, grain_of(4 * row_values), [&](int n, int y) {
+    for (int x = 0; x < map.width(); ++x) {
+      float top = map.pixel(n, 0, y, x)[0], sum = 0.0F;
+      for (int b = 0; b < map.blocks(); ++b) {
+        const float* f = map.pixel(n, b, y, x);
+        for (int c = 0; c < lanes(b); ++c) top = std::max(top, f[c]);
+      }
+      for (int b = 0; b < map.blocks(); ++b) {
+        float* f = map.pixel(n, b, y, x);
+        for (int c = 0; c < lanes(b); ++c) sum += f[c] = exponential(f[c] - top);
+      }
+      for (int b = 0; b < map.blocks(); ++b) {
+        float* f = map.pixel(n, b, y, x);
+        for (int c = 0; c < lanes(b); ++c) f[c] /= sum;
       }
     }
-  }
+  });
 }
 
 }  // namespace penumbra::nn

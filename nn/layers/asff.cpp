@@ -1,12 +1,11 @@
 #include "nn/layers/asff.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/simd/kernel_table.h"
 #include "nn/tensor/arena_vector.h"
 
@@ -52,29 +51,23 @@ FeatureMap Asff::operator()(std::span<const FeatureMap* const> levels, Arena& ar
   }
   FeatureMap output(arena, levels.front()->batch(), channels_, height, width, output_border);
   // Of each thread: the levels as the kernel takes them, and a row's shares.
-  const auto threads = static_cast<std::size_t>(omp_get_max_threads());
+  const auto threads = static_cast<std::size_t>(thread_count());
   const std::size_t row_values = static_cast<std::size_t>(width) * level_count_;
   const ArenaBuffer shares = arena.allocate(threads * row_values);
   ArenaVector<MixedLevel> rows(arena, threads * level_count_);
   rows.resize(rows.capacity());
-#pragma omp parallel
-  {
-    const auto thread = static_cast<std::size_t>(omp_get_thread_num());
+  const auto values = static_cast<std::int64_t>(level_count_) * output.blocks() * output.row_stride();
+  parallel_for({output.images(), height}, grain_of(values), [&](int n, int y, int slot) {
+    const auto thread = static_cast<std::size_t>(slot);
     MixedLevel* row = rows.data() + thread * level_count_;
-#pragma omp for collapse(2)
-    for (int n = 0; n < output.images(); ++n) {
-      for (int y = 0; y < height; ++y) {
-        for (std::size_t k = 0; k < level_count_; ++k) {
-          const int factor = width / levels[k]->width();
-          row[k] = {levels[k]->pixel(n, 0, y / factor, 0), levels[k]->block_stride(), factor,
-                    weights_.data() + k * (weights_.size() / level_count_), bias_[k]};
-        }
-        kernels().mix_row({row, static_cast<int>(level_count_), width, output.blocks(),
-                           shares.data() + thread * row_values, output.pixel(n, 0, y, 0),
-                           output.block_stride()});
-      }
+    for (std::size_t k = 0; k < level_count_; ++k) {
+      const int factor = width / levels[k]->width();
+      row[k] = {levels[k]->pixel(n, 0, y / factor, 0), levels[k]->block_stride(), factor,
+                weights_.data() + k * (weights_.size() / level_count_), bias_[k]};
     }
-  }
+    kernels().mix_row({row, static_cast<int>(level_count_), width, output.blocks(),
+                       shares.data() + thread * row_values, output.pixel(n, 0, y, 0), output.block_stride()});
+  });
   return output;
 }
 

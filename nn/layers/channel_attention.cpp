@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/layers/activations.h"
 #include "nn/tensor/arena_vector.h"
 
@@ -47,8 +48,8 @@ void ChannelAttention::apply(FeatureMap& map, Arena& arena) const {
   ArenaVector<float> hidden(arena, static_cast<std::size_t>(reduce_.extent(0)));
   for (ArenaVector<float>* values : {&top, &mean, &gate, &hidden}) values->resize(values->capacity());
   for (int n = 0; n < map.images(); ++n) {
-#pragma omp parallel for
-    for (int b = 0; b < map.blocks(); ++b) {
+    parallel_for(map.blocks(), grain_of(map.block_stride()), [&](std::int64_t block) {
+      const int b = static_cast<int>(block);
       float block_top[kBlock], block_sum[kBlock] = {};
       std::copy_n(map.pixel(n, b, 0, 0), kBlock, block_top);
       for (int y = 0; y < map.height(); ++y) {
@@ -67,14 +68,14 @@ void ChannelAttention::apply(FeatureMap& map, Arena& arena) const {
         top[c] = block_top[c - first];
         mean[c] = block_sum[c - first] / static_cast<float>(map.height() * map.width());
       }
-    }
+    });
     const std::span<float> gates = gate.span().first(channels);
     std::fill(gate.begin(), gate.end(), 0.0F);
     add_mlp(reduce_, expand_, top.span(), hidden.span(), gates);
     add_mlp(reduce_, expand_, mean.span(), hidden.span(), gates);
     for (float& g : gates) g = sigmoid(g);
-#pragma omp parallel for
-    for (int b = 0; b < map.blocks(); ++b) {
+    parallel_for(map.blocks(), grain_of(map.block_stride()), [&](std::int64_t block) {
+      const int b = static_cast<int>(block);
       const float* g = gate.data() + static_cast<std::ptrdiff_t>(b) * kBlock;
       for (int y = 0; y < map.height(); ++y) {
         for (int x = 0; x < map.width(); ++x) {
@@ -82,7 +83,7 @@ void ChannelAttention::apply(FeatureMap& map, Arena& arena) const {
           for (int c = 0; c < kBlock; ++c) f[c] *= g[c];
         }
       }
-    }
+    });
   }
 }
 

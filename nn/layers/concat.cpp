@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -61,15 +62,15 @@ FeatureMap concat(std::span<const FeatureMap* const> maps, Arena& arena, int out
     channels += map->channels();
   }
   FeatureMap output(arena, first.batch(), channels, first.height(), first.width(), output_border);
-#pragma omp parallel for
-  for (int n = 0; n < output.images(); ++n) {
+  parallel_for(output.images(), grain_of(output.image_stride()), [&](std::int64_t image) {
+    const int n = static_cast<int>(image);
     int start = 0;
     for (const FeatureMap* map : maps) {
       copy_channels(*map, 0, output, start, map->channels(), n);
       start += map->channels();
     }
     clear_unused_lanes(output, n);
-  }
+  });
   return output;
 }
 
@@ -79,11 +80,10 @@ FeatureMap slice_channels(const FeatureMap& map, int first, int count, Arena& ar
                      fmt::format("{} from {} on", count, first));
   }
   FeatureMap output(arena, map.batch(), count, map.height(), map.width(), output_border);
-#pragma omp parallel for
-  for (int n = 0; n < output.images(); ++n) {
-    copy_channels(map, first, output, 0, count, n);
-    clear_unused_lanes(output, n);
-  }
+  parallel_for(output.images(), grain_of(output.image_stride()), [&](std::int64_t n) {
+    copy_channels(map, first, output, 0, count, static_cast<int>(n));
+    clear_unused_lanes(output, static_cast<int>(n));
+  });
   return output;
 }
 

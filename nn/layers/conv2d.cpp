@@ -4,6 +4,7 @@
 
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/layers/direct_convolution.h"
 #include "nn/tensor/arena_vector.h"
 
@@ -49,29 +50,38 @@ void Conv2d::pack_image_weights(const Tensor& weight, const std::vector<float>& 
   if (options_.dilation != 1) {
     throw InputError("conv2d over images", "dilation 1", fmt::format("{}", options_.dilation));
   }
-  groups_.emplace_back(
-      outputs_, ceil_div(input_channels_, kImageBlock) * kernel_height_, kernel_width_ * kImageBlock,
-      [&](int o, int tap, int c) {
-        const int channel = tap / kernel_height_ * kImageBlock + c % kImageBlock;
-        return channel < input_channels_ ? weight.at(o, channel, tap % kernel_height_, c / kImageBlock)
-                                         : 0.0F;
-      },
-      bias);
+  const int taps = ceil_div(input_channels_, kImageBlock) * kernel_height_,
+            depth = kernel_width_ * kImageBlock;
+  const std::ptrdiff_t positions = std::ptrdiff_t{kernel_height_} * kernel_width_;
+  WeightSource source{weight.values.data(), input_channels_ * positions, {}};
+  for (int tap = 0; tap < taps; ++tap) {
+    for (int c = 0; c < depth; ++c) {
+      const int channel = tap / kernel_height_ * kImageBlock + c % kImageBlock;
+      const int position = tap % kernel_height_ * kernel_width_ + c / kImageBlock;
+      source.offsets.push_back(channel < input_channels_ ? channel * positions + position
+                                                         : WeightSource::kNone);
+    }
+  }
+  groups_.emplace_back(outputs_, taps, depth, source, bias);
 }
 
 void Conv2d::pack_weights(const Tensor& weight, const std::vector<float>& bias) {
   const int group_outputs = outputs_ / options_.groups, group_inputs = input_channels_ / options_.groups;
-  const int positions = kernel_height_ * kernel_width_;
+  const int positions = kernel_height_ * kernel_width_, taps = ceil_div(group_inputs, kBlock) * positions;
+  WeightSource source{nullptr, std::ptrdiff_t{group_inputs} * positions, {}};
+  source.offsets.reserve(static_cast<std::size_t>(taps) * kBlock);
+  for (int tap = 0; tap < taps; ++tap) {
+    for (int c = 0; c < kBlock; ++c) {
+      const int channel = tap / positions * kBlock + c;
+      source.offsets.push_back(channel < group_inputs ? std::ptrdiff_t{channel} * positions + tap % positions
+                                                      : WeightSource::kNone);
+    }
+  }
   for (int g = 0; g < options_.groups; ++g) {
     const int first = g * group_outputs;
+    source.values = weight.values.data() + first * source.output_stride;
     groups_.emplace_back(
-        group_outputs, ceil_div(group_inputs, kBlock) * positions, kBlock,
-        [&](int o, int tap, int c) {
-          const int channel = tap / positions * kBlock + c, position = tap % positions;
-          return channel < group_inputs
-                     ? weight.at(first + o, channel, position / kernel_width_, position % kernel_width_)
-                     : 0.0F;
-        },
+        group_outputs, taps, kBlock, source,
         bias.empty() ? bias : std::vector<float>(bias.begin() + first, bias.begin() + first + group_outputs),
         options_.format);
   }
@@ -90,15 +100,24 @@ double Conv2d::multiply_adds(int height, int width) const {
          kernel_height_ * kernel_width_;
 }
 
+ArenaBuffer Conv2d::prepare(Arena& arena) const {
+  return winograd_.empty() ? ArenaBuffer() : winograd_.prepare(arena);
+}
+
 FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_border,
                               const FeatureMap* residual) const {
+  return (*this)(input, arena, prepare(arena), output_border, residual);
+}
+
+FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, const ArenaBuffer& prepared,
+                              int output_border, const FeatureMap* residual) const {
   if (input.channels() != input_channels_ || input.block() != input_block_) {
     throw InputError("conv2d",
                      fmt::format("{} input channels in blocks of {}", input_channels_, input_block_),
                      fmt::format("{} in blocks of {}", input.channels(), input.block()));
   }
   if (input.border() < options_.padding) {
-    return (*this)(with_border(input, arena, options_.padding), arena, output_border, residual);
+    return (*this)(with_border(input, arena, options_.padding), arena, prepared, output_border, residual);
   }
   const Geometry out = output_size(input.height(), input.width());
   if (out.height < 1 || out.width < 1) {
@@ -110,7 +129,7 @@ FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_
   observe(input, options_.format);
   FeatureMap output(arena, input.batch(), outputs_, out.height, out.width, output_border);
   if (!winograd_.empty()) {
-    winograd_(input, options_.padding, options_.activation, residual, output, arena);
+    winograd_(input, options_.padding, options_.activation, residual, output, arena, prepared);
     if (options_.activation != Activation::relu) activate(output, options_.activation, options_.slope);
   } else if (!groups_.empty()) {
     direct(input, residual, output, arena);
@@ -154,24 +173,19 @@ void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, Feature
 }
 
 void Conv2d::over_rows(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output) const {
-#pragma omp parallel for collapse(3) schedule(dynamic, 4)
-  for (int n = 0; n < output.images(); ++n) {
-    for (int b = 0; b < output.blocks(); ++b) {
-      for (int y = 0; y < output.height(); ++y) {
-        narrow_.row(input, options_.stride, options_.padding, options_.dilation, n, b, y, output);
-        float* out = output.pixel(n, b, y, 0);
-        const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(output.width()) * kBlock;
-        if (residual != nullptr) {
-          const float* r = residual->pixel(n, b, y, 0);
-          for (std::ptrdiff_t i = 0; i < count; ++i) out[i] += r[i];
-        }
-        activate(out, count, options_.activation, options_.slope);
-      }
+  parallel_for({output.images(), output.blocks(), output.height()}, 4, [&](int n, int b, int y) {
+    narrow_.row(input, options_.stride, options_.padding, options_.dilation, n, b, y, output);
+    float* out = output.pixel(n, b, y, 0);
+    const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(output.width()) * kBlock;
+    if (residual != nullptr) {
+      const float* r = residual->pixel(n, b, y, 0);
+      for (std::ptrdiff_t i = 0; i < count; ++i) out[i] += r[i];
     }
-  }
+    activate(out, count, options_.activation, options_.slope);
+  });
 }
 
-Conv2d linear(const Tensor& weight, const std::vector<float>& bias, int channels, int height, int width,
+Conv2d linear(Tensor weight, const std::vector<float>& bias, int channels, int height, int width,
               Activation activation, const NumberFormat& format) {
   const std::int64_t inputs = static_cast<std::int64_t>(channels) * height * width;
   if (weight.shape.size() != 2 || weight.extent(1) != inputs) {
@@ -180,7 +194,8 @@ Conv2d linear(const Tensor& weight, const std::vector<float>& bias, int channels
   Conv2dOptions options;
   options.activation = activation;
   options.format = format;
-  return {Tensor({weight.extent(0), channels, height, width}, weight.values), bias, options};
+  weight.shape = {weight.extent(0), channels, height, width};
+  return {weight, bias, options};
 }
 
 }  // namespace penumbra::nn

@@ -54,6 +54,10 @@ class Conv2d {
   // pixels.
   FeatureMap operator()(const FeatureMap& input, Arena& arena, int output_border = 0,
                         const FeatureMap* residual = nullptr) const;
+  // What a call computes of the weights alone (winograd.h), for several calls: `prepared` of the call below.
+  ArenaBuffer prepare(Arena& arena) const;
+  FeatureMap operator()(const FeatureMap& input, Arena& arena, const ArenaBuffer& prepared,
+                        int output_border = 0, const FeatureMap* residual = nullptr) const;
 
   int output_channels() const { return outputs_; }
   // How it is computed: "winograd", "direct" or "narrow" groups.
@@ -84,7 +88,7 @@ class Conv2d {
 
 // A fully connected layer y = W x + b over maps [N, C, H, W] is the convolution whose kernel is the whole
 // map: `weight` [O, C H W] in torch.flatten's order (channel, row, column). Its output is [N, O, 1, 1].
-Conv2d linear(const Tensor& weight, const std::vector<float>& bias, int channels, int height, int width,
+Conv2d linear(Tensor weight, const std::vector<float>& bias, int channels, int height, int width,
               Activation activation, const NumberFormat& format = {});
 
 }  // namespace penumbra::nn

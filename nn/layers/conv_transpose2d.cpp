@@ -5,6 +5,7 @@
 
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -59,14 +60,18 @@ ConvTranspose2d::ConvTranspose2d(const Tensor& weight, const std::vector<float>&
         }
       }
       const int count = static_cast<int>(positions.size());
-      phase.weights = PackedWeights(
-          outputs_, blocks * count, kBlock,
-          [&](int o, int tap, int c) {
-            const int channel = tap / count * kBlock + c;
-            const Offset& position = positions[static_cast<std::size_t>(tap % count)];
-            return channel < input_channels_ ? weight.at(channel, o, position.y, position.x) : 0.0F;
-          },
-          bias, options.format);
+      const std::ptrdiff_t kernel = std::ptrdiff_t{kernel_height_} * kernel_width_;
+      WeightSource source{weight.values.data(), kernel, {}};
+      for (int tap = 0; tap < blocks * count; ++tap) {
+        const Offset& position = positions[static_cast<std::size_t>(tap % count)];
+        for (int c = 0; c < kBlock; ++c) {
+          const int channel = tap / count * kBlock + c;
+          source.offsets.push_back(channel < input_channels_
+                                       ? channel * outputs_ * kernel + position.y * kernel_width_ + position.x
+                                       : WeightSource::kNone);
+        }
+      }
+      phase.weights = PackedWeights(outputs_, blocks * count, kBlock, source, bias, options.format);
       phases_.push_back(std::move(phase));
     }
   }
@@ -127,29 +132,22 @@ void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, con
     }
   }
   const int step = phase.weights.tile_pixels(), segments = ceil_div(columns, step);
-#pragma omp parallel for collapse(3) schedule(dynamic)
-  for (int n = 0; n < input.images(); ++n) {
-    for (int t = 0; t < phase.weights.tiles(); ++t) {
-      for (int y = 0; y < rows; ++y) {
-        const WeightTile tile = phase.weights.tile(t);
-        TileArguments a;
-        a.input_pixel_stride = input.block();
-        a.taps = taps;
-        phase.weights.prepare(tile, 0, phase.weights.taps(), a);
-        a.output_pixel_stride = static_cast<std::ptrdiff_t>(stride) * output.block();
-        a.output_block_stride = output.block_stride();
-        a.lower_bound =
-            options_.activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
-        for (int s = 0; s < segments; ++s) {
-          const int x = columns * s / segments, end = columns * (s + 1) / segments;
-          a.input = values + bytes * input.offset(n, 0, y, x);
-          a.output =
-              output.pixel(n, tile.block, y * stride + phase.row, x * stride + phase.column) + tile.lane;
-          phase.weights.kernel(tile, end - x)(a);
-        }
-      }
+  parallel_for({input.images(), phase.weights.tiles(), rows}, 1, [&](int n, int t, int y) {
+    const WeightTile tile = phase.weights.tile(t);
+    TileArguments a;
+    a.input_pixel_stride = input.block();
+    a.taps = taps;
+    phase.weights.prepare(tile, 0, phase.weights.taps(), a);
+    a.output_pixel_stride = static_cast<std::ptrdiff_t>(stride) * output.block();
+    a.output_block_stride = output.block_stride();
+    a.lower_bound = options_.activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
+    for (int s = 0; s < segments; ++s) {
+      const int x = columns * s / segments, end = columns * (s + 1) / segments;
+      a.input = values + bytes * input.offset(n, 0, y, x);
+      a.output = output.pixel(n, tile.block, y * stride + phase.row, x * stride + phase.column) + tile.lane;
+      phase.weights.kernel(tile, end - x)(a);
     }
-  }
+  });
 }
 
 }  // namespace penumbra::nn

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -23,42 +24,32 @@ FeatureMap means_of_rows_and_columns(const FeatureMap& map, Arena& arena) {
   const std::ptrdiff_t row_values = static_cast<std::ptrdiff_t>(map.width()) * kBlock;
   FeatureMap means(arena, map.batch(), map.channels(), 1, height + map.width(), 0);
   FeatureMap parts(arena, map.batch(), map.channels(), strips, map.width(), 0);  // of the columns' sums
-#pragma omp parallel
-  {
-#pragma omp for collapse(3)
-    for (int n = 0; n < map.images(); ++n) {
-      for (int b = 0; b < map.blocks(); ++b) {
-        for (int s = 0; s < strips; ++s) {
-          float* column = parts.pixel(n, b, s, 0);
-          std::fill_n(column, row_values, 0.0F);
-          for (int y = s * height / strips; y < (s + 1) * height / strips; ++y) {
-            const float* f = map.pixel(n, b, y, 0);
-            float sum[kBlock] = {};
-            for (std::ptrdiff_t x = 0; x < row_values; x += kBlock) {
-              for (int c = 0; c < kBlock; ++c) {
-                sum[c] += f[x + c];
-                column[x + c] += f[x + c];
-              }
-            }
-            float* row = means.pixel(n, b, 0, y);
-            for (int c = 0; c < kBlock; ++c) row[c] = sum[c] / static_cast<float>(map.width());
-          }
-        }
-      }
+  parallel_for({map.images(), map.blocks(), strips}, grain_of(map.block_stride() / strips),
+               [&](int n, int b, int s) {
+                 float* column = parts.pixel(n, b, s, 0);
+                 std::fill_n(column, row_values, 0.0F);
+                 for (int y = s * height / strips; y < (s + 1) * height / strips; ++y) {
+                   const float* f = map.pixel(n, b, y, 0);
+                   float sum[kBlock] = {};
+                   for (std::ptrdiff_t x = 0; x < row_values; x += kBlock) {
+                     for (int c = 0; c < kBlock; ++c) {
+                       sum[c] += f[x + c];
+                       column[x + c] += f[x + c];
+                     }
+                   }
+                   float* row = means.pixel(n, b, 0, y);
+                   for (int c = 0; c < kBlock; ++c) row[c] = sum[c] / static_cast<float>(map.width());
+                 }
+               });
+  parallel_for({map.images(), map.blocks()}, grain_of(strips * row_values), [&](int n, int b) {
+    float* column = means.pixel(n, b, 0, height);
+    std::fill_n(column, row_values, 0.0F);
+    for (int s = 0; s < strips; ++s) {
+      const float* part = parts.pixel(n, b, s, 0);
+      for (std::ptrdiff_t x = 0; x < row_values; ++x) column[x] += part[x];
     }
-#pragma omp for collapse(2)
-    for (int n = 0; n < map.images(); ++n) {
-      for (int b = 0; b < map.blocks(); ++b) {
-        float* column = means.pixel(n, b, 0, height);
-        std::fill_n(column, row_values, 0.0F);
-        for (int s = 0; s < strips; ++s) {
-          const float* part = parts.pixel(n, b, s, 0);
-          for (std::ptrdiff_t x = 0; x < row_values; ++x) column[x] += part[x];
-        }
-        for (std::ptrdiff_t x = 0; x < row_values; ++x) column[x] /= static_cast<float>(height);
-      }
-    }
-  }
+    for (std::ptrdiff_t x = 0; x < row_values; ++x) column[x] /= static_cast<float>(height);
+  });
   return means;
 }
 
@@ -66,24 +57,20 @@ FeatureMap means_of_rows_and_columns(const FeatureMap& map, Arena& arena) {
 template <bool kShortcut>
 void multiply_gates(FeatureMap& map, const FeatureMap& row_gates, const FeatureMap& column_gates,
                     const FeatureMap* shortcut) {
-#pragma omp parallel for collapse(3)
-  for (int n = 0; n < map.images(); ++n) {
-    for (int b = 0; b < map.blocks(); ++b) {
-      for (int y = 0; y < map.height(); ++y) {
-        float row[kBlock];  // a copy, which stays in registers
-        std::copy_n(row_gates.pixel(n, b, 0, y), kBlock, row);
-        const float* column = column_gates.pixel(n, b, 0, map.height());
-        const float* x = kShortcut ? shortcut->pixel(n, b, y, 0) : nullptr;
-        float* f = map.pixel(n, b, y, 0);
-        for (int j = 0; j < map.width(); ++j, f += kBlock, column += kBlock) {
-          for (int c = 0; c < kBlock; ++c) {
-            f[c] = f[c] * (row[c] * column[c]) + (kShortcut ? x[c] : 0.0F);
-          }
-          if (kShortcut) x += kBlock;
-        }
-      }
-    }
-  }
+  parallel_for({map.images(), map.blocks(), map.height()}, grain_of(map.row_stride()),
+               [&](int n, int b, int y) {
+                 float row[kBlock];  // a copy, which stays in registers
+                 std::copy_n(row_gates.pixel(n, b, 0, y), kBlock, row);
+                 const float* column = column_gates.pixel(n, b, 0, map.height());
+                 const float* x = kShortcut ? shortcut->pixel(n, b, y, 0) : nullptr;
+                 float* f = map.pixel(n, b, y, 0);
+                 for (int j = 0; j < map.width(); ++j, f += kBlock, column += kBlock) {
+                   for (int c = 0; c < kBlock; ++c) {
+                     f[c] = f[c] * (row[c] * column[c]) + (kShortcut ? x[c] : 0.0F);
+                   }
+                   if (kShortcut) x += kBlock;
+                 }
+               });
 }
 
 }  // namespace

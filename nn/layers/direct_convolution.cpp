@@ -1,11 +1,10 @@
 #include "nn/layers/direct_convolution.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <limits>
 
 #include "nn/base/ceil_div.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -92,56 +91,50 @@ void convolve_pixels(const DirectConvolution& c) {
   // Where patches are few, a task has some of the tiles only.
   const std::int64_t image_patches =
       std::int64_t{output.images()} * patches.row_patches * patches.column_patches;
-  const std::int64_t wanted = std::int64_t{kTasksPerThread} * omp_get_max_threads();
+  const std::int64_t wanted = std::int64_t{kTasksPerThread} * thread_count();
   const int parts = static_cast<int>(
       std::clamp(ceil_div(static_cast<int>(std::min(wanted, std::int64_t{1} << 20)),
                           static_cast<int>(std::clamp(image_patches, std::int64_t{1}, wanted))),
                  1, tiles));
 
-#pragma omp parallel for collapse(4) schedule(dynamic)
-  for (int n = 0; n < output.images(); ++n) {
-    for (int row_patch = 0; row_patch < patches.row_patches; ++row_patch) {
-      for (int column_patch = 0; column_patch < patches.column_patches; ++column_patch) {
-        for (int part = 0; part < parts; ++part) {
-          const int first_row = row_patch * patches.patch_rows;
-          const int end_row = std::min(first_row + patches.patch_rows, patches.rows);
-          const int first_segment = column_patch * patches.patch_segments;
-          const int end_segment = std::min(first_segment + patches.patch_segments, patches.segments);
-          for (int t = tiles * part / parts; t < tiles * (part + 1) / parts; ++t) {
-            const int g = t / group_tiles;
-            const PackedWeights& weights = c.groups[static_cast<std::size_t>(g)];
-            const WeightTile tile = weights.tile(t % group_tiles);
-            const int block = g * group_outputs + tile.block;
-            TileArguments a;
-            weights.prepare(tile, 0, weights.taps(), a);
-            a.taps = c.taps;
-            a.input_pixel_stride = static_cast<std::ptrdiff_t>(c.stride) * input.block();
-            a.output_pixel_stride = output.block();
-            a.output_block_stride = output.block_stride();
-            a.lower_bound = lower_bound(c.activation);
-            if (c.residual != nullptr) {
-              a.residual_pixel_stride = c.residual->block();
-              a.residual_block_stride = c.residual->block_stride();
-            }
-            for (int y = first_row; y < end_row; ++y) {
-              for (int s = first_segment; s < end_segment; ++s) {
-                const int x = patches.first_column(s);
-                a.input = c.values + bytes * input.offset(n, g * group_inputs, y * c.stride - c.padding,
-                                                          x * c.stride - c.padding);
-                a.output = output.pixel(n, block, y, x) + tile.lane;
-                if (c.residual != nullptr) a.residual = c.residual->pixel(n, block, y, x) + tile.lane;
-                weights.kernel(tile, patches.first_column(s + 1) - x)(a);
-              }
-              if (after_kernel(c.activation)) {
-                const int x = patches.first_column(first_segment), end = patches.first_column(end_segment);
-                activate_pixels(c, n, block, tile, y, x, end - x);
-              }
-            }
-          }
+  const int extents[] = {output.images(), patches.row_patches, patches.column_patches, parts};
+  parallel_for(extents, 1, [&](int n, int row_patch, int column_patch, int part) {
+    const int first_row = row_patch * patches.patch_rows;
+    const int end_row = std::min(first_row + patches.patch_rows, patches.rows);
+    const int first_segment = column_patch * patches.patch_segments;
+    const int end_segment = std::min(first_segment + patches.patch_segments, patches.segments);
+    for (int t = tiles * part / parts; t < tiles * (part + 1) / parts; ++t) {
+      const int g = t / group_tiles;
+      const PackedWeights& weights = c.groups[static_cast<std::size_t>(g)];
+      const WeightTile tile = weights.tile(t % group_tiles);
+      const int block = g * group_outputs + tile.block;
+      TileArguments a;
+      weights.prepare(tile, 0, weights.taps(), a);
+      a.taps = c.taps;
+      a.input_pixel_stride = static_cast<std::ptrdiff_t>(c.stride) * input.block();
+      a.output_pixel_stride = output.block();
+      a.output_block_stride = output.block_stride();
+      a.lower_bound = lower_bound(c.activation);
+      if (c.residual != nullptr) {
+        a.residual_pixel_stride = c.residual->block();
+        a.residual_block_stride = c.residual->block_stride();
+      }
+      for (int y = first_row; y < end_row; ++y) {
+        for (int s = first_segment; s < end_segment; ++s) {
+          const int x = patches.first_column(s);
+          a.input = c.values + bytes * input.offset(n, g * group_inputs, y * c.stride - c.padding,
+                                                    x * c.stride - c.padding);
+          a.output = output.pixel(n, block, y, x) + tile.lane;
+          if (c.residual != nullptr) a.residual = c.residual->pixel(n, block, y, x) + tile.lane;
+          weights.kernel(tile, patches.first_column(s + 1) - x)(a);
+        }
+        if (after_kernel(c.activation)) {
+          const int x = patches.first_column(first_segment), end = patches.first_column(end_segment);
+          activate_pixels(c, n, block, tile, y, x, end - x);
         }
       }
     }
-  }
+  });
 }
 
 void convolve_images(const DirectConvolution& c) {
@@ -153,40 +146,37 @@ void convolve_images(const DirectConvolution& c) {
   const int image_groups = ceil_div(images, step * kTilesOfImages);
   const int tile_groups = ceil_div(weights.tiles(), kTilesPerTask);
 
-#pragma omp parallel for collapse(2) schedule(dynamic)
-  for (int image_group = 0; image_group < image_groups; ++image_group) {
-    for (int tile_group = 0; tile_group < tile_groups; ++tile_group) {
-      const int first_image = images * image_group / image_groups;
-      const int end_image = images * (image_group + 1) / image_groups;
-      const int end_tile = std::min((tile_group + 1) * kTilesPerTask, weights.tiles());
-      for (int first_tap = 0; first_tap < weights.taps(); first_tap += kTapsPerPanel) {
-        const int taps = std::min(kTapsPerPanel, weights.taps() - first_tap);
-        const bool last = first_tap + taps == weights.taps();
-        for (int t = tile_group * kTilesPerTask; t < end_tile; ++t) {
-          const WeightTile tile = weights.tile(t);
-          TileArguments a;
-          weights.prepare(tile, first_tap, taps, a);
-          a.taps = c.taps + first_tap;
-          a.input_pixel_stride = input.image_stride();
-          a.output_pixel_stride = output.image_stride();
-          a.output_block_stride = output.block_stride();
-          a.accumulate = first_tap > 0;
-          a.lower_bound = lower_bound(last ? c.activation : Activation::none);
-          const FeatureMap* residual = last ? c.residual : nullptr;
-          if (residual != nullptr) {
-            a.residual_pixel_stride = residual->image_stride();
-            a.residual_block_stride = residual->block_stride();
-          }
-          for (int n = first_image; n < end_image; n += step) {
-            a.input = c.values + bytes * input.offset(n, 0, -c.padding, -c.padding);
-            a.output = output.pixel(n, tile.block, 0, 0) + tile.lane;
-            if (residual != nullptr) a.residual = residual->pixel(n, tile.block, 0, 0) + tile.lane;
-            weights.kernel(tile, std::min(step, end_image - n))(a);
-          }
+  parallel_for({image_groups, tile_groups}, 1, [&](int image_group, int tile_group) {
+    const int first_image = images * image_group / image_groups;
+    const int end_image = images * (image_group + 1) / image_groups;
+    const int end_tile = std::min((tile_group + 1) * kTilesPerTask, weights.tiles());
+    for (int first_tap = 0; first_tap < weights.taps(); first_tap += kTapsPerPanel) {
+      const int taps = std::min(kTapsPerPanel, weights.taps() - first_tap);
+      const bool last = first_tap + taps == weights.taps();
+      for (int t = tile_group * kTilesPerTask; t < end_tile; ++t) {
+        const WeightTile tile = weights.tile(t);
+        TileArguments a;
+        weights.prepare(tile, first_tap, taps, a);
+        a.taps = c.taps + first_tap;
+        a.input_pixel_stride = input.image_stride();
+        a.output_pixel_stride = output.image_stride();
+        a.output_block_stride = output.block_stride();
+        a.accumulate = first_tap > 0;
+        a.lower_bound = lower_bound(last ? c.activation : Activation::none);
+        const FeatureMap* residual = last ? c.residual : nullptr;
+        if (residual != nullptr) {
+          a.residual_pixel_stride = residual->image_stride();
+          a.residual_block_stride = residual->block_stride();
+        }
+        for (int n = first_image; n < end_image; n += step) {
+          a.input = c.values + bytes * input.offset(n, 0, -c.padding, -c.padding);
+          a.output = output.pixel(n, tile.block, 0, 0) + tile.lane;
+          if (residual != nullptr) a.residual = residual->pixel(n, tile.block, 0, 0) + tile.lane;
+          weights.kernel(tile, std::min(step, end_image - n))(a);
         }
       }
     }
-  }
+  });
   if (after_kernel(c.activation)) activate(output, c.activation, c.slope);
 }
 

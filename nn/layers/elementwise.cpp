@@ -1,6 +1,7 @@
 #include "nn/layers/elementwise.h"
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -18,23 +19,18 @@ void combine(const char* name, FeatureMap& y, const FeatureMap& x, Operation ope
   }
   const bool one_channel = x.channels() == 1 && y.channels() > 1;
   const std::ptrdiff_t step = x.width() == 1 ? 0 : kBlock;
-#pragma omp parallel for collapse(3)
-  for (int n = 0; n < y.images(); ++n) {
-    for (int b = 0; b < y.blocks(); ++b) {
-      for (int i = 0; i < y.height(); ++i) {
-        const float* from = x.pixel(x.images() == 1 ? 0 : n, one_channel ? 0 : b, x.height() == 1 ? 0 : i, 0);
-        float* to = y.pixel(n, b, i, 0);
-        for (int j = 0; j < y.width(); ++j, from += step, to += kBlock) {
-          if (one_channel) {
-            const float value = *from;
-            for (int c = 0; c < kBlock; ++c) to[c] = operation(to[c], value);
-          } else {
-            for (int c = 0; c < kBlock; ++c) to[c] = operation(to[c], from[c]);
-          }
-        }
+  parallel_for({y.images(), y.blocks(), y.height()}, grain_of(y.row_stride()), [&](int n, int b, int i) {
+    const float* from = x.pixel(x.images() == 1 ? 0 : n, one_channel ? 0 : b, x.height() == 1 ? 0 : i, 0);
+    float* to = y.pixel(n, b, i, 0);
+    for (int j = 0; j < y.width(); ++j, from += step, to += kBlock) {
+      if (one_channel) {
+        const float value = *from;
+        for (int c = 0; c < kBlock; ++c) to[c] = operation(to[c], value);
+      } else {
+        for (int c = 0; c < kBlock; ++c) to[c] = operation(to[c], from[c]);
       }
     }
-  }
+  });
 }
 
 }  // namespace

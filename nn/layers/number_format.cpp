@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/base/parallel.h"
+
 namespace penumbra::nn {
 
 Quantisation quantisation(const InputRange& range) {
@@ -23,11 +25,10 @@ ArenaBuffer convert(const FeatureMap& map, const NumberFormat& format, Arena& ar
   ArenaBuffer converted = arena.allocate(room * static_cast<std::size_t>(bytes) / sizeof(float));
   const std::ptrdiff_t count = map.images() * map.image_stride();
   auto* out = reinterpret_cast<std::byte*>(converted.data());
-#pragma omp parallel for
-  for (std::ptrdiff_t i = 0; i < count; i += kStep) {
+  parallel_pieces(count, kStep, [&](std::int64_t first, std::int64_t end, int) {
     low_precision_kernels(format.precision)
-        .convert(map.values() + i, std::min(kStep, count - i), format.input, out + i * bytes);
-  }
+        .convert(map.values() + first, end - first, format.input, out + first * bytes);
+  });
   return converted;
 }
 

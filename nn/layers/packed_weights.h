@@ -8,15 +8,24 @@
 // that, -s s_o zero sum q_w, is part of the bias.
 #pragma once
 
+#include <bit>
 #include <cstddef>
-#include <functional>
-#include <memory>
+#include <cstdint>
 #include <vector>
 
 #include "nn/layers/number_format.h"
+#include "nn/layers/weight_memory.h"
 #include "nn/simd/kernel_table.h"
 
 namespace penumbra::nn {
+
+constexpr int kMostTileChannels = 32;  // V of the widest tile
+
+// The nearest bf16; of two equally near, the one whose last bit is 0.
+inline std::uint16_t to_bf16(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return static_cast<std::uint16_t>((bits + 0x7FFFU + ((bits >> 16) & 1U)) >> 16);
+}
 
 // One tile's part of the packed weights and where its channels lie in a channel-blocked output.
 struct WeightTile {
@@ -28,13 +37,24 @@ struct WeightTile {
   int channels;              // V, or 16 in a narrow tile
 };
 
+// Where weights lie in a tensor: that of output channel o, tap t and channel c of the tap is
+// values[o * output_stride + offsets[t * depth + c]], and 0 where that offset is kNone.
+struct WeightSource {
+  static constexpr std::ptrdiff_t kNone = -1;
+  const float* values = nullptr;
+  std::ptrdiff_t output_stride = 0;
+  std::vector<std::ptrdiff_t> offsets;  // [taps * depth]
+};
+
 class PackedWeights {
  public:
   PackedWeights() = default;
-  // `weight(o, t, c)` gives the weight of output channel o, tap t and channel c of the tap; `bias` has one
-  // value an output channel or is empty for none. `depth` must be a multiple of 4 g.
-  PackedWeights(int outputs, int taps, int depth, const std::function<float(int, int, int)>& weight,
-                const std::vector<float>& bias, const NumberFormat& format = {});
+  // `source` is read now; `bias` has one value an output channel or is empty for none. `depth` must be a
+  // multiple of 4 g. Threads share the work, which takes about as long as copying the weights.
+  PackedWeights(int outputs, int taps, int depth, const WeightSource& source, const std::vector<float>& bias,
+                const NumberFormat& format = {});
+  // The layout alone, of weights that lie elsewhere; no biases.
+  PackedWeights(int outputs, int taps, int depth, const NumberFormat& format);
 
   int outputs() const { return outputs_; }
   int taps() const { return taps_; }
@@ -44,7 +64,10 @@ class PackedWeights {
   int tile_channels() const { return kernels_->channels; }
   const NumberFormat& format() const { return format_; }
 
-  WeightTile tile(int t) const;
+  std::size_t bytes() const;  // of all tiles
+
+  WeightTile tile(int t) const { return tile(t, weights_.data()); }
+  WeightTile tile(int t, const std::byte* weights) const;  // of weights that begin there
   // The arguments that are the same for all pixels, for `tap_count` taps from `first_tap` on.
   void prepare(const WeightTile& tile, int first_tap, int tap_count, TileArguments& arguments) const;
   // The kernel for `pixels` output pixels (1..tile_pixels) of a tile.
@@ -54,13 +77,12 @@ class PackedWeights {
   }
 
  private:
-  struct Free {
-    void operator()(std::byte* data) const;
-  };
+  void pack(const WeightSource& source, const std::vector<float>& factor, std::vector<double>& sums);
+
   const TileKernels* kernels_ = nullptr;
   NumberFormat format_;
   int outputs_ = 0, taps_ = 0, depth_ = 0, tiles_ = 0;
-  std::unique_ptr<std::byte, Free> weights_;
+  WeightMemory weights_;
   std::vector<float> scale_, bias_;  // one an output channel, padded; scale_ in int8 only
 };
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -51,17 +53,13 @@ template <class Reduction, class Rows, class Columns>
 FeatureMap pool(const FeatureMap& input, int height, int width, Arena& arena, int output_border, Rows rows,
                 Columns columns) {
   FeatureMap output(arena, input.batch(), input.channels(), height, width, output_border);
-#pragma omp parallel for collapse(2)
-  for (int n = 0; n < output.images(); ++n) {
-    for (int b = 0; b < output.blocks(); ++b) {
-      for (int i = 0; i < height; ++i) {
-        const Window window = rows(i);
-        for (int j = 0; j < width; ++j) {
-          Reduction::reduce(input, n, b, window, columns(j), output.pixel(n, b, i, j));
-        }
-      }
+  const std::int64_t window_values = std::int64_t{ceil_div(input.height(), height)} * input.row_stride();
+  parallel_for({output.images(), output.blocks(), height}, grain_of(window_values), [&](int n, int b, int i) {
+    const Window window = rows(i);
+    for (int j = 0; j < width; ++j) {
+      Reduction::reduce(input, n, b, window, columns(j), output.pixel(n, b, i, j));
     }
-  }
+  });
   return output;
 }
 

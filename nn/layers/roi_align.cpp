@@ -1,13 +1,12 @@
 #include "nn/layers/roi_align.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/simd/kernel_table.h"
 #include "nn/tensor/arena_vector.h"
 
@@ -106,20 +105,16 @@ FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions opt
   const int most_sampling = options.sampling == 0 ? kMaxAdaptiveSampling : options.sampling;
   const auto axis_samples = static_cast<std::size_t>(options.size) * static_cast<std::size_t>(most_sampling);
   const ArenaVector<Reading> order = reading_order(regions, output.batch().capacity, arena, level_of);
-  ArenaVector<AxisSample> scratch(arena, 2 * axis_samples * static_cast<std::size_t>(omp_get_max_threads()));
-#pragma omp parallel
-  {
-    AxisSample* own = scratch.data() + 2 * axis_samples * static_cast<std::size_t>(omp_get_thread_num());
+  ArenaVector<AxisSample> scratch(arena, 2 * axis_samples * static_cast<std::size_t>(thread_count()));
+  parallel_for(static_cast<std::int64_t>(order.size()), 4, [&](int k, int slot) {
+    AxisSample* own = scratch.data() + 2 * axis_samples * static_cast<std::size_t>(slot);
     Axis rows{0, own}, columns{0, own + axis_samples};
-#pragma omp for schedule(dynamic, 4)
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      const auto& [r, level, top] = order[k];
-      const Box& box = regions[r];
-      sample_bins(box.y1 * level.scale, box.y2 * level.scale, options, level.map->height(), rows);
-      sample_bins(box.x1 * level.scale, box.x2 * level.scale, options, level.map->width(), columns);
-      align_region(*level.map, rows, columns, options.size, static_cast<int>(r), output);
-    }
-  }
+    const auto& [r, level, top] = order[static_cast<std::size_t>(k)];
+    const Box& box = regions[r];
+    sample_bins(box.y1 * level.scale, box.y2 * level.scale, options, level.map->height(), rows);
+    sample_bins(box.x1 * level.scale, box.x2 * level.scale, options, level.map->width(), columns);
+    align_region(*level.map, rows, columns, options.size, static_cast<int>(r), output);
+  });
   return output;
 }
 

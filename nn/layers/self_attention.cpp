@@ -1,10 +1,9 @@
 #include "nn/layers/self_attention.h"
 
-#include <omp.h>
-
 #include <algorithm>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/simd/kernel_table.h"
 
 namespace penumbra::nn {
@@ -42,29 +41,27 @@ void SelfAttention::apply(FeatureMap& map, Arena& arena) const {
   const std::ptrdiff_t stride = (pixels + kBlock - 1) / kBlock * kBlock;
   const ArenaBuffer keys = arena.allocate(static_cast<std::size_t>(f.channels() * stride));
   const ArenaBuffer scratch =
-      arena.allocate(static_cast<std::size_t>(omp_get_max_threads()) * static_cast<std::size_t>(stride));
+      arena.allocate(static_cast<std::size_t>(thread_count()) * static_cast<std::size_t>(stride));
   for (int n = 0; n < map.images(); ++n) {
     transpose_keys(f, n, pixels, stride, keys.data());
-#pragma omp parallel for collapse(2)
-    for (int y = 0; y < map.height(); ++y) {
-      for (int x = 0; x < map.width(); ++x) {
-        AttendArguments a;
-        a.keys = keys.data();
-        a.key_stride = stride;
-        a.depth = f.channels();
-        a.query = g.pixel(n, 0, y, x);
-        a.query_block_stride = g.block_stride();
-        a.values = h.pixel(n, 0, 0, 0);
-        a.value_block_stride = h.block_stride();
-        a.blocks = h.blocks();
-        a.pixels = pixels;
-        a.factor = gamma_;
-        a.scores = scratch.data() + omp_get_thread_num() * stride;
-        a.output = map.pixel(n, 0, y, x);
-        a.output_block_stride = map.block_stride();
-        kernels().attend(a);
-      }
-    }
+    const std::int64_t values = pixels * (f.channels() + map.channels());
+    parallel_for({map.height(), map.width()}, grain_of(values), [&](int y, int x, int slot) {
+      AttendArguments a;
+      a.keys = keys.data();
+      a.key_stride = stride;
+      a.depth = f.channels();
+      a.query = g.pixel(n, 0, y, x);
+      a.query_block_stride = g.block_stride();
+      a.values = h.pixel(n, 0, 0, 0);
+      a.value_block_stride = h.block_stride();
+      a.blocks = h.blocks();
+      a.pixels = pixels;
+      a.factor = gamma_;
+      a.scores = scratch.data() + slot * stride;
+      a.output = map.pixel(n, 0, y, x);
+      a.output_block_stride = map.block_stride();
+      kernels().attend(a);
+    });
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/layers/activations.h"
 
 namespace penumbra::nn {
@@ -13,26 +14,23 @@ namespace {
 // not 16.
 FeatureMap pool_channels(const FeatureMap& map, int border, Arena& arena) {
   FeatureMap pooled(arena, map.batch(), 2, map.height(), map.width(), border, kImageBlock);
-#pragma omp parallel for collapse(2)
-  for (int n = 0; n < map.images(); ++n) {
-    for (int y = 0; y < map.height(); ++y) {
-      for (int x = 0; x < map.width(); ++x) {
-        float top = map.pixel(n, 0, y, x)[0], sum = 0.0F;
-        for (int b = 0; b < map.blocks(); ++b) {
-          const float* f = map.pixel(n, b, y, x);
-          const int lanes = std::min(kBlock, map.channels() - b * kBlock);
-          for (int c = 0; c < lanes; ++c) {
-            top = std::max(top, f[c]);
-            sum += f[c];
-          }
+  parallel_for({map.images(), map.height()}, grain_of(map.blocks() * map.row_stride()), [&](int n, int y) {
+    for (int x = 0; x < map.width(); ++x) {
+      float top = map.pixel(n, 0, y, x)[0], sum = 0.0F;
+      for (int b = 0; b < map.blocks(); ++b) {
+        const float* f = map.pixel(n, b, y, x);
+        const int lanes = std::min(kBlock, map.channels() - b * kBlock);
+        for (int c = 0; c < lanes; ++c) {
+          top = std::max(top, f[c]);
+          sum += f[c];
         }
-        float* out = pooled.pixel(n, 0, y, x);
-        out[0] = top;
-        out[1] = sum / static_cast<float>(map.channels());
-        out[2] = out[3] = 0.0F;
       }
+      float* out = pooled.pixel(n, 0, y, x);
+      out[0] = top;
+      out[1] = sum / static_cast<float>(map.channels());
+      out[2] = out[3] = 0.0F;
     }
-  }
+  });
   return pooled;
 }
 
@@ -51,18 +49,15 @@ SpatialAttention::SpatialAttention(const Tensor& weight) {
 
 void SpatialAttention::apply(FeatureMap& map, Arena& arena) const {
   const FeatureMap logits = conv_(pool_channels(map, padding_, arena), arena);
-#pragma omp parallel for collapse(2)
-  for (int n = 0; n < map.images(); ++n) {
-    for (int y = 0; y < map.height(); ++y) {
-      for (int x = 0; x < map.width(); ++x) {
-        const float gate = sigmoid(logits.pixel(n, 0, y, x)[0]);
-        for (int b = 0; b < map.blocks(); ++b) {
-          float* f = map.pixel(n, b, y, x);
-          for (int c = 0; c < kBlock; ++c) f[c] *= gate;
-        }
+  parallel_for({map.images(), map.height()}, grain_of(map.blocks() * map.row_stride()), [&](int n, int y) {
+    for (int x = 0; x < map.width(); ++x) {
+      const float gate = sigmoid(logits.pixel(n, 0, y, x)[0]);
+      for (int b = 0; b < map.blocks(); ++b) {
+        float* f = map.pixel(n, b, y, x);
+        for (int c = 0; c < kBlock; ++c) f[c] *= gate;
       }
     }
-  }
+  });
 }
 
 }  // namespace penumbra::nn

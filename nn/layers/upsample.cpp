@@ -5,6 +5,7 @@
 
 #include "nn/base/error.h"
 #include "nn/base/linear_sample.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -39,18 +40,14 @@ FeatureMap upsample_nearest(const FeatureMap& input, int height, int width, Aren
   const float scale_y = static_cast<float>(input.height()) / static_cast<float>(height);
   const float scale_x = static_cast<float>(input.width()) / static_cast<float>(width);
   const std::size_t pixel_bytes = static_cast<std::size_t>(input.block()) * sizeof(float);
-#pragma omp parallel for collapse(3)
-  for (int n = 0; n < output.images(); ++n) {
-    for (int b = 0; b < output.blocks(); ++b) {
-      for (int i = 0; i < height; ++i) {
-        const float* from = input.pixel(n, b, nearest(i, scale_y, input.height()), 0);
-        float* to = output.pixel(n, b, i, 0);
-        for (int j = 0; j < width; ++j, to += input.block()) {
-          std::memcpy(to, from + nearest(j, scale_x, input.width()) * input.block(), pixel_bytes);
-        }
-      }
-    }
-  }
+  parallel_for({output.images(), output.blocks(), height}, grain_of(output.row_stride()),
+               [&](int n, int b, int i) {
+                 const float* from = input.pixel(n, b, nearest(i, scale_y, input.height()), 0);
+                 float* to = output.pixel(n, b, i, 0);
+                 for (int j = 0; j < width; ++j, to += input.block()) {
+                   std::memcpy(to, from + nearest(j, scale_x, input.width()) * input.block(), pixel_bytes);
+                 }
+               });
   return output;
 }
 
@@ -61,18 +58,13 @@ void add_upsampled(const FeatureMap& x, FeatureMap& y) {
   }
   const float scale_y = static_cast<float>(x.height()) / static_cast<float>(y.height());
   const float scale_x = static_cast<float>(x.width()) / static_cast<float>(y.width());
-#pragma omp parallel for collapse(2)
-  for (int n = 0; n < y.images(); ++n) {
-    for (int b = 0; b < y.blocks(); ++b) {
-      for (int i = 0; i < y.height(); ++i) {
-        for (int j = 0; j < y.width(); ++j) {
-          const float* from = x.pixel(n, b, nearest(i, scale_y, x.height()), nearest(j, scale_x, x.width()));
-          float* to = y.pixel(n, b, i, j);
-          for (int c = 0; c < kBlock; ++c) to[c] += from[c];
-        }
-      }
+  parallel_for({y.images(), y.blocks(), y.height()}, grain_of(y.row_stride()), [&](int n, int b, int i) {
+    for (int j = 0; j < y.width(); ++j) {
+      const float* from = x.pixel(n, b, nearest(i, scale_y, x.height()), nearest(j, scale_x, x.width()));
+      float* to = y.pixel(n, b, i, j);
+      for (int c = 0; c < kBlock; ++c) to[c] += from[c];
     }
-  }
+  });
 }
 
 FeatureMap upsample_bilinear(const FeatureMap& input, int height, int width, bool align_corners, Arena& arena,
@@ -80,28 +72,24 @@ FeatureMap upsample_bilinear(const FeatureMap& input, int height, int width, boo
   check_size("upsample_bilinear", input, height, width);
   FeatureMap output(arena, input.batch(), input.channels(), height, width, output_border, input.block());
   const int block = input.block();
-#pragma omp parallel for collapse(3)
-  for (int n = 0; n < output.images(); ++n) {
-    for (int b = 0; b < output.blocks(); ++b) {
-      for (int i = 0; i < height; ++i) {
-        const LinearSample row = bilinear(i, input.height(), height, align_corners);
-        const float* upper = input.pixel(n, b, row.low, 0);
-        const float* lower = input.pixel(n, b, row.high, 0);
-        float* to = output.pixel(n, b, i, 0);
-        for (int j = 0; j < width; ++j, to += block) {
-          const LinearSample column = bilinear(j, input.width(), width, align_corners);
-          const float w11 = row.fraction * column.fraction, w10 = row.fraction - w11;
-          const float w01 = column.fraction - w11, w00 = 1.0F - row.fraction - w01;
-          const std::ptrdiff_t left = static_cast<std::ptrdiff_t>(column.low) * block;
-          const std::ptrdiff_t right = static_cast<std::ptrdiff_t>(column.high) * block;
-          for (int c = 0; c < block; ++c) {
-            to[c] = w00 * upper[left + c] + w01 * upper[right + c] + w10 * lower[left + c] +
-                    w11 * lower[right + c];
-          }
-        }
-      }
-    }
-  }
+  parallel_for({output.images(), output.blocks(), height}, grain_of(output.row_stride()),
+               [&](int n, int b, int i) {
+                 const LinearSample row = bilinear(i, input.height(), height, align_corners);
+                 const float* upper = input.pixel(n, b, row.low, 0);
+                 const float* lower = input.pixel(n, b, row.high, 0);
+                 float* to = output.pixel(n, b, i, 0);
+                 for (int j = 0; j < width; ++j, to += block) {
+                   const LinearSample column = bilinear(j, input.width(), width, align_corners);
+                   const float w11 = row.fraction * column.fraction, w10 = row.fraction - w11;
+                   const float w01 = column.fraction - w11, w00 = 1.0F - row.fraction - w01;
+                   const std::ptrdiff_t left = static_cast<std::ptrdiff_t>(column.low) * block;
+                   const std::ptrdiff_t right = static_cast<std::ptrdiff_t>(column.high) * block;
+                   for (int c = 0; c < block; ++c) {
+                     to[c] = w00 * upper[left + c] + w01 * upper[right + c] + w10 * lower[left + c] +
+                             w11 * lower[right + c];
+                   }
+                 }
+               });
   return output;
 }
 

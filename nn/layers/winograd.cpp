@@ -1,13 +1,11 @@
 #include "nn/layers/winograd.h"
 
-#include <omp.h>
-
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <limits>
 
 #include "nn/base/ceil_div.h"
+#include "nn/base/parallel.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
@@ -15,32 +13,6 @@ namespace penumbra::nn {
 namespace {
 
 constexpr int kOut = kWinogradOutput, kIn = kWinogradInput;
-
-// G takes a kernel's 3 numbers to 6: (1, p, p^2) / N_p for each point p.
-constexpr double kA = kWinogradA, kB = kWinogradB, kA2 = kA * kA, kB2 = kB * kB;
-constexpr double kN0 = kA2 * kB2, kNa = 2 * kA2 * (kA2 - kB2), kNb = 2 * kB2 * (kB2 - kA2);
-constexpr double kG[kIn][3] = {{1 / kN0, 0, 0},
-                               {1 / kNa, kA / kNa, kA2 / kNa},
-                               {1 / kNa, -kA / kNa, kA2 / kNa},
-                               {1 / kNb, kB / kNb, kB2 / kNb},
-                               {1 / kNb, -kB / kNb, kB2 / kNb},
-                               {0, 0, 1}};
-
-// G g G^T of one kernel.
-std::array<float, kWinogradPositions> transform_kernel(const float* g) {
-  double rows[kIn][3];
-  for (int i = 0; i < kIn; ++i) {
-    for (int v = 0; v < 3; ++v) rows[i][v] = kG[i][0] * g[v] + kG[i][1] * g[3 + v] + kG[i][2] * g[6 + v];
-  }
-  std::array<float, kWinogradPositions> result{};
-  for (int i = 0; i < kIn; ++i) {
-    for (int j = 0; j < kIn; ++j) {
-      result[static_cast<std::size_t>(i * kIn + j)] =
-          static_cast<float>(kG[j][0] * rows[i][0] + kG[j][1] * rows[i][1] + kG[j][2] * rows[i][2]);
-    }
-  }
-  return result;
-}
 
 // Numbers of a block of tiles that one thread works on alone: they fit into its L2 cache, transformed inputs
 // and products together.
@@ -67,6 +39,7 @@ struct Winograd::Work {
   int tile_columns, image_tiles;  // tiles in a row and in an image
   int block_tiles;                // most a block
   const std::ptrdiff_t* taps;     // of the products: one block of 16 channels each
+  const std::byte* weights;       // transformed
   // Scratch memory: transformed inputs [position][C / 16][block_tiles][16], products the same with O.
   float* inputs;
   float* products;
@@ -93,31 +66,81 @@ Winograd::Winograd(const Tensor& weight, const std::vector<float>& bias, Precisi
   output_blocks_ = ceil_div(outputs, kBlock);
   bias_.assign(static_cast<std::size_t>(output_blocks_) * kBlock, 0.0F);
   std::copy(bias.begin(), bias.end(), bias_.begin());
-  const auto pairs = static_cast<std::size_t>(outputs) * static_cast<std::size_t>(channels);
-  std::vector<float> transformed(pairs * kWinogradPositions);  // [position][o][c]
-  for (std::size_t pair = 0; pair < pairs; ++pair) {
-    const auto kernel = transform_kernel(weight.values.data() + pair * 9);
-    for (std::size_t k = 0; k < kWinogradPositions; ++k) transformed[k * pairs + pair] = kernel[k];
-  }
-  for (std::size_t k = 0; k < kWinogradPositions; ++k) {
-    const float* values = transformed.data() + k * pairs;
-    weights_.emplace_back(
-        outputs, input_blocks_, kBlock,
-        [&](int o, int tap, int c) {
-          const int channel = tap * kBlock + c;
-          return channel < channels ? values[static_cast<std::ptrdiff_t>(o) * channels + channel] : 0.0F;
-        },
-        std::vector<float>{}, NumberFormat{precision, {}, nullptr});
-  }
+  layout_ = PackedWeights(outputs, input_blocks_, kBlock, NumberFormat{precision, {}, nullptr});
+  const std::size_t row = static_cast<std::size_t>(input_blocks_) * kBlock * kWinogradKernel;  // of an output
+  kernels_ = WeightMemory(bias_.size() * row * sizeof(float));
+  parallel_for(layout_.tiles(), 1, [&](std::int64_t t) {
+    const int first = static_cast<int>(t) * layout_.tile_channels();
+    const int width = std::min(layout_.tile_channels(), static_cast<int>(bias_.size()) - first);
+    float* out = reinterpret_cast<float*>(kernels_.data()) + static_cast<std::size_t>(first) * row;
+    std::fill_n(out, row * static_cast<std::size_t>(width), 0.0F);
+    const std::ptrdiff_t numbers = std::ptrdiff_t{channels} * kWinogradKernel;
+    for (std::ptrdiff_t i = 0; i < numbers; ++i, out += width) {
+      const float* in = weight.values.data() + first * numbers + i;
+      for (int o = 0; o < std::min(width, outputs - first); ++o) out[o] = in[o * numbers];
+    }
+  });
+}
+
+std::size_t Winograd::position_bytes() const {
+  return layout_.bytes() + 64;  // so that positions do not share one set of the cache
+}
+
+ArenaBuffer Winograd::prepare(Arena& arena) const {
+  const std::size_t stride = position_bytes();
+  ArenaBuffer prepared = arena.allocate(stride / sizeof(float) * kWinogradPositions);
+  auto* const start = reinterpret_cast<std::byte*>(prepared.data());
+  const bool rounded = layout_.format().precision != Precision::f32;
+  parallel_for({layout_.tiles(), input_blocks_}, 1, [&](int t, int tap) {
+    const WeightTile tile = layout_.tile(t, start);
+    WinogradWeightArguments a;
+    a.channels = tile.channels;
+    a.input = reinterpret_cast<const float*>(kernels_.data()) +
+              (static_cast<std::ptrdiff_t>(t) * layout_.tile_channels() * input_blocks_ +
+               static_cast<std::ptrdiff_t>(tap) * tile.channels) *
+                  kBlock * kWinogradKernel;
+    // The tile's part of position 0, in numbers from the start.
+    const std::ptrdiff_t place = (static_cast<std::ptrdiff_t>(t) * layout_.tile_channels() * input_blocks_ +
+                                  static_cast<std::ptrdiff_t>(tap) * tile.channels) *
+                                 kBlock;
+    if (!rounded) {
+      a.output = prepared.data() + place;
+      a.position_stride = static_cast<std::ptrdiff_t>(stride / sizeof(float));
+      a.count = kBlock;
+      return kernels().winograd_weights(a);
+    }
+    // Pairs of channels side by side, as layout_ has them in bf16.
+    float pair[kWinogradPositions][2][kMostTileChannels];
+    a.output = &pair[0][0][0];
+    a.position_stride = 2 * kMostTileChannels;
+    a.count = 1;
+    for (int c = 0; c < kBlock; c += 2) {
+      for (int i = 0; i < 2; ++i, a.input += kWinogradKernel * tile.channels) {
+        a.output = &pair[0][i][0];
+        kernels().winograd_weights(a);
+      }
+      for (int k = 0; k < kWinogradPositions; ++k) {
+        auto* out = reinterpret_cast<std::uint16_t*>(start + static_cast<std::size_t>(k) * stride) + place +
+                    c * tile.channels;
+        for (int o = 0; o < tile.channels; ++o) {
+          out[2 * o] = to_bf16(pair[k][0][o]);
+          out[2 * o + 1] = to_bf16(pair[k][1][o]);
+        }
+      }
+    }
+  });
+  return prepared;
 }
 
 void Winograd::operator()(const FeatureMap& input, int padding, Activation activation,
-                          const FeatureMap* residual, FeatureMap& output, Arena& arena) const {
-  const int threads = omp_get_max_threads();
+                          const FeatureMap* residual, FeatureMap& output, Arena& arena,
+                          const ArenaBuffer& prepared) const {
+  const int threads = thread_count();
   Work work{};
   work.input = &input;
   work.residual = residual;
   work.output = &output;
+  work.weights = reinterpret_cast<const std::byte*>(prepared.data());
   work.padding = padding;
   work.lower_bound = activation == Activation::relu ? 0.0F : -std::numeric_limits<float>::infinity();
   work.tile_columns = ceil_div(output.width(), kOut);
@@ -126,7 +149,7 @@ void Winograd::operator()(const FeatureMap& input, int padding, Activation activ
   const int most_tiles = work.image_tiles * output.batch().capacity;  // which decides about memory
 
   // Tiles a block: whole register tiles.
-  const int step = weights_.front().tile_pixels();
+  const int step = layout_.tile_pixels();
   const std::size_t tile_floats =
       static_cast<std::size_t>(input_blocks_ + output_blocks_) * kBlock * kWinogradPositions;
   const auto tiles_in = [&](std::size_t floats) {
@@ -143,7 +166,7 @@ void Winograd::operator()(const FeatureMap& input, int padding, Activation activ
   work.product_stride = static_cast<std::ptrdiff_t>(output_blocks_) * work.block_tiles * kBlock + kBlock;
   const auto input_floats = static_cast<std::size_t>(work.input_stride) * kWinogradPositions;
   const auto floats = input_floats + static_cast<std::size_t>(work.product_stride) * kWinogradPositions;
-  const bool low_precision = weights_.front().format().precision != Precision::f32;
+  const bool low_precision = layout_.format().precision != Precision::f32;
   const ArenaBuffer converted = arena.allocate(
       low_precision ? static_cast<std::size_t>(work.input_stride) * static_cast<std::size_t>(threads) : 0);
   work.converted = converted.data();
@@ -159,32 +182,26 @@ void Winograd::operator()(const FeatureMap& input, int padding, Activation activ
   };
 
   if (alone) {
-#pragma omp parallel
-    {
+    parallel_for(blocks, 1, [&](int block, int slot) {
       Work own_work = work;
-      own_work.inputs = scratch.data() + floats * static_cast<std::size_t>(omp_get_thread_num());
+      own_work.inputs = scratch.data() + floats * static_cast<std::size_t>(slot);
       own_work.products = own_work.inputs + input_floats;
-#pragma omp for schedule(dynamic)
-      for (int block = 0; block < blocks; ++block) {
-        const int first = block * work.block_tiles, count = block_size(block);
-        for (int b = 0; b < input_blocks_; ++b) transform_inputs(own_work, first, count, b);
-        for (int k = 0; k < kWinogradPositions; ++k) multiply(own_work, count, k);
-        for (int b = 0; b < output_blocks_; ++b) transform_outputs(own_work, first, count, b);
-      }
-    }
+      const int first = block * work.block_tiles, count = block_size(block);
+      for (int b = 0; b < input_blocks_; ++b) transform_inputs(own_work, first, count, b);
+      for (int k = 0; k < kWinogradPositions; ++k) multiply(own_work, count, k, slot);
+      for (int b = 0; b < output_blocks_; ++b) transform_outputs(own_work, first, count, b);
+    });
     return;
   }
   work.inputs = scratch.data();
   work.products = work.inputs + input_floats;
-#pragma omp parallel
   for (int block = 0; block < blocks; ++block) {
     const int first = block * work.block_tiles, count = block_size(block);
-#pragma omp for schedule(dynamic)
-    for (int b = 0; b < input_blocks_; ++b) transform_inputs(work, first, count, b);
-#pragma omp for schedule(dynamic)
-    for (int k = 0; k < kWinogradPositions; ++k) multiply(work, count, k);
-#pragma omp for schedule(dynamic)
-    for (int b = 0; b < output_blocks_; ++b) transform_outputs(work, first, count, b);
+    parallel_for(input_blocks_, 1,
+                 [&](std::int64_t b) { transform_inputs(work, first, count, static_cast<int>(b)); });
+    parallel_for(kWinogradPositions, 1, [&](int k, int slot) { multiply(work, count, k, slot); });
+    parallel_for(output_blocks_, 1,
+                 [&](std::int64_t b) { transform_outputs(work, first, count, static_cast<int>(b)); });
   }
 }
 
@@ -222,14 +239,15 @@ void Winograd::transform_inputs(const Work& work, int first, int count, int chan
   });
 }
 
-void Winograd::multiply(const Work& work, int count, int position) const {
-  const PackedWeights& weights = weights_[static_cast<std::size_t>(position)];
+void Winograd::multiply(const Work& work, int count, int position, int slot) const {
+  const PackedWeights& weights = layout_;
+  const std::byte* position_weights = work.weights + static_cast<std::size_t>(position) * position_bytes();
   const int step = weights.tile_pixels();
   const float* inputs = work.inputs + position * work.input_stride;
   const std::byte* values = reinterpret_cast<const std::byte*>(inputs);
   const Precision precision = weights.format().precision;
   if (precision != Precision::f32) {
-    float* own = work.converted + omp_get_thread_num() * work.input_stride;
+    float* own = work.converted + slot * work.input_stride;
     low_precision_kernels(precision).convert(inputs, work.input_stride, {}, own);
     values = reinterpret_cast<const std::byte*>(own);
   }
@@ -239,7 +257,7 @@ void Winograd::multiply(const Work& work, int count, int position) const {
   a.output_block_stride = static_cast<std::ptrdiff_t>(work.block_tiles) * kBlock;
   a.lower_bound = -std::numeric_limits<float>::infinity();
   for (int t = 0; t < weights.tiles(); ++t) {
-    const WeightTile tile = weights.tile(t);
+    const WeightTile tile = weights.tile(t, position_weights);
     weights.prepare(tile, 0, weights.taps(), a);
     float* out =
         work.products + position * work.product_stride + tile.block * a.output_block_stride + tile.lane;

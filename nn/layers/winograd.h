@@ -5,7 +5,8 @@
 // for every tile of 4 x 4 output pixels: d_c are the 6 x 6 input pixels of channel c under it, g_oc the 3 x 3
 // kernel, o the product element by element. A pair of channels takes 36 multiplications a tile instead of
 // 16 * 9 = 144; over the channels, each of the 36 positions is a matrix product, which the register tile
-// computes. G g G^T is computed once, when weights are loaded, and takes 36 / 9 = 4 times their memory.
+// computes. G g G^T takes 36 / 9 = 4 times the weights' memory, so it is computed anew for each call, or for
+// some calls together (prepare): about 130 operations a pair of channels, 2 % of a network's time.
 //
 // Shapes: those of conv2d.h with K = 3, s = 1, d = 1, G = 1. Cost: 36 C O multiply-adds a tile, and about
 // 12 (C + O) additions a pixel for the transforms.
@@ -35,21 +36,26 @@ class Winograd {
   // the products, is f32 or bf16.
   Winograd(const Tensor& weight, const std::vector<float>& bias, Precision precision = Precision::f32);
 
-  bool empty() const { return weights_.empty(); }
+  bool empty() const { return input_blocks_ == 0; }
 
-  // `input`'s border is at least `padding`. Activations other than ReLU are left to the caller.
+  // The transformed weights [position][output tile]..., for calls that follow each other.
+  ArenaBuffer prepare(Arena& arena) const;
+  // `input`'s border is at least `padding`. Activations other than ReLU are left to the caller. `prepared`
+  // comes from prepare().
   void operator()(const FeatureMap& input, int padding, Activation activation, const FeatureMap* residual,
-                  FeatureMap& output, Arena& arena) const;
+                  FeatureMap& output, Arena& arena, const ArenaBuffer& prepared) const;
 
  private:
   struct Work;
+  std::size_t position_bytes() const;  // from a position's weights to the next one's
   void transform_inputs(const Work& work, int first, int count, int channel_block) const;
-  void multiply(const Work& work, int count, int position) const;
+  void multiply(const Work& work, int count, int position, int slot) const;
   void transform_outputs(const Work& work, int first, int count, int channel_block) const;
 
   int input_blocks_ = 0, output_blocks_ = 0;
-  std::vector<PackedWeights> weights_;  // [36]: G g G^T by position
-  std::vector<float> bias_;             // padded to whole blocks
+  WeightMemory kernels_;     // f32 [output tile][C, padded][9][V]
+  PackedWeights layout_;     // of a position's transformed weights
+  std::vector<float> bias_;  // padded to whole blocks
 };
 
 // Whether a layer is faster with it. Few channels do not pay for the transforms, very many have so many

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/layers/activations.h"
 
 namespace penumbra::nn {
@@ -17,6 +19,10 @@ constexpr std::size_t kDetectionsPerPass = 16;  // that pass the layers together
 MaskHead::MaskHead(WeightReader& weights, const std::string& prefix, int channels, int classes,
                    const MaskHeadConfig& config)
     : config_(config) {
+  if (config.layers > MaskHeadConfig::kMostLayers) {
+    throw InputError("mask head", fmt::format("at most {} layers", MaskHeadConfig::kMostLayers),
+                     fmt::format("{}", config.layers));
+  }
   Conv2dOptions options;
   options.padding = 1;
   options.activation = Activation::relu;
@@ -41,30 +47,35 @@ ArenaVector<float> MaskHead::operator()(std::span<const PyramidLevel> pyramid,
                                         const ArenaVector<ScoredBox>& detections, Arena& arena) const {
   ArenaVector<float> probabilities(
       arena, detections.capacity() * static_cast<std::size_t>(mask_size() * mask_size()));
+  PreparedLayers prepared;
+  for (std::size_t i = 0; i < convolutions_.size(); ++i) prepared[i] = convolutions_[i].prepare(arena);
   // Passes without detections run too, so that all pictures of a shape ask for the same memory.
   for (std::size_t first = 0; first < detections.capacity(); first += kDetectionsPerPass) {
     const std::size_t capacity = std::min(kDetectionsPerPass, detections.capacity() - first);
     const std::size_t begin = std::min(first, detections.size());
     const std::size_t count = std::min(capacity, detections.size() - begin);
-    predict(pyramid, detections.span().subspan(begin, count), static_cast<int>(capacity), probabilities,
-            arena);
+    predict(pyramid, detections.span().subspan(begin, count), static_cast<int>(capacity), prepared,
+            probabilities, arena);
   }
   return probabilities;
 }
 
 void MaskHead::predict(std::span<const PyramidLevel> pyramid, std::span<const ScoredBox> detections,
-                       int capacity, ArenaVector<float>& probabilities, Arena& arena) const {
+                       int capacity, const PreparedLayers& prepared, ArenaVector<float>& probabilities,
+                       Arena& arena) const {
   ArenaVector<Box> regions(arena, static_cast<std::size_t>(capacity));
   for (const ScoredBox& detection : detections) regions.push_back(detection.box);
   FeatureMap features = multi_scale_roi_align(pyramid, regions.span(), config_.roi_align, arena, 1, capacity);
-  for (const Conv2d& convolution : convolutions_) features = convolution(features, arena, 1);
+  for (std::size_t i = 0; i < convolutions_.size(); ++i) {
+    features = convolutions_[i](features, arena, prepared[i], 1);
+  }
   features = upsample_(features, arena);
 
   const int size = mask_size();
   const std::size_t start = probabilities.size();
   probabilities.resize(start + detections.size() * static_cast<std::size_t>(size * size));
-#pragma omp parallel for
-  for (std::size_t d = 0; d < detections.size(); ++d) {
+  parallel_for(static_cast<std::int64_t>(detections.size()), 1, [&](std::int64_t number) {
+    const auto d = static_cast<std::size_t>(number);
     const auto label = static_cast<std::size_t>(detections[d].label);
     const float* weight =
         logit_weight_.values.data() + label * static_cast<std::size_t>(logit_weight_.extent(1));
@@ -81,7 +92,7 @@ void MaskHead::predict(std::span<const PyramidLevel> pyramid, std::span<const Sc
         *out++ = sigmoid(logit);
       }
     }
-  }
+  });
 }
 
 }  // namespace penumbra::nn

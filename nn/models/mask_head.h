@@ -8,6 +8,7 @@
 // torchvision.models.detection.mask_rcnn.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 namespace penumbra::nn {
 
 struct MaskHeadConfig {
+  static constexpr int kMostLayers = 8;
   int layers = 4;  // 3 x 3 convolutions
   RoiAlignOptions roi_align{14, 2};
 };
@@ -37,9 +39,10 @@ class MaskHead {
                                 const ArenaVector<ScoredBox>& detections, Arena& arena) const;
 
  private:
+  using PreparedLayers = std::array<ArenaBuffer, MaskHeadConfig::kMostLayers>;
   // Appends those of the detections, at most `capacity` of them.
   void predict(std::span<const PyramidLevel> pyramid, std::span<const ScoredBox> detections, int capacity,
-               ArenaVector<float>& probabilities, Arena& arena) const;
+               const PreparedLayers& prepared, ArenaVector<float>& probabilities, Arena& arena) const;
 
   MaskHeadConfig config_;
   std::vector<Conv2d> convolutions_;

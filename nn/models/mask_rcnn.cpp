@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "nn/base/parallel.h"
 #include "nn/models/weight_metadata.h"
 
 namespace penumbra::nn {
@@ -52,7 +53,7 @@ MaskRcnnConfig with_metadata(const StateDict& weights, MaskRcnnConfig config) {
   config.batch_norm_eps = static_cast<float>(
       metadata_number(weights, "batch_norm_eps", {0.0, 1.0}).value_or(config.batch_norm_eps));
   set("box_head_layers", config.box_head.layers, 1, 2);
-  set("mask_head_layers", config.mask_head.layers, 1, 8);
+  set("mask_head_layers", config.mask_head.layers, 1, MaskHeadConfig::kMostLayers);
   set("min_size", config.transform.min_size, 32, 4096);
   set("max_size", config.transform.max_size, 32, 8192);
   set("rpn_candidates", config.rpn.candidates_per_level, 1, 10000);
@@ -113,8 +114,8 @@ void MaskRcnn::detect(const ByteView& image, Arena& arena, std::vector<Detection
   const float ratio_y = static_cast<float>(image.height) / static_cast<float>(extent.height);
   const int size = mask_head_.mask_size();
   detections.resize(boxes.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t d = 0; d < boxes.size(); ++d) {
+  parallel_for(static_cast<std::int64_t>(boxes.size()), 1, [&](std::int64_t number) {
+    const auto d = static_cast<std::size_t>(number);
     const Box& box = boxes[d].box;
     Detection& detection = detections[d];
     detection.box = {box.x1 * ratio_x, box.y1 * ratio_y, box.x2 * ratio_x, box.y2 * ratio_y};
@@ -123,7 +124,7 @@ void MaskRcnn::detect(const ByteView& image, Arena& arena, std::vector<Detection
     const auto pixels = static_cast<std::size_t>(size * size);
     paste_mask(probabilities.span().subspan(d * pixels, pixels), size, detection.box, image.width,
                image.height, config_.mask_threshold, detection.mask);
-  }
+  });
 }
 
 }  // namespace penumbra::nn

@@ -65,8 +65,9 @@ ArenaVector<Box> RegionProposalNetwork::operator()(std::span<const FeatureMap> p
   const auto most_proposals = static_cast<std::size_t>(std::max(config_.proposals, 0));
   ArenaVector<Box> proposals(arena, most_proposals);
   Candidates all(arena, pyramid.size() * static_cast<std::size_t>(std::max(config_.candidates_per_level, 0)));
+  const ArenaBuffer prepared = conv_.prepare(arena);
   for (std::size_t level = 0; level < pyramid.size(); ++level) {
-    const FeatureMap outputs = predictor_(conv_(pyramid[level], arena), arena);
+    const FeatureMap outputs = predictor_(conv_(pyramid[level], arena, prepared), arena);
     const int width = outputs.width();
     const auto stride_x = static_cast<float>(image.padded_width / width);
     const auto stride_y = static_cast<float>(image.padded_height / outputs.height());
@@ -76,8 +77,11 @@ ArenaVector<Box> RegionProposalNetwork::operator()(std::span<const FeatureMap> p
     };
     ArenaVector<float> logits(arena, static_cast<std::size_t>(outputs.height() * width * anchors));
     logits.resize(logits.capacity());
-    for (std::size_t i = 0; i < logits.size(); ++i) {
-      logits[i] = output(static_cast<int>(i) / anchors, static_cast<int>(i) % anchors);
+    float* next = logits.data();
+    for (int y = 0; y < outputs.height(); ++y) {
+      for (int x = 0; x < width; ++x) {
+        for (int a = 0; a < anchors; ++a) *next++ = outputs.pixel(0, a / kBlock, y, x)[a % kBlock];
+      }
     }
     for (const int i : best_logits(logits, config_.candidates_per_level, arena)) {
       const int pixel = i / anchors, a = i % anchors, delta = anchors + 4 * a;

@@ -55,6 +55,7 @@ Tensor WeightReader::tensor(const std::string& name, const Shape& shape) {
     return Tensor(shape);
   }
   Tensor tensor{shape, found->second.to_f32()};
+  state_dict_.forget(found->second);
   if (const auto problem = describe_not_finite(tensor.values)) {
     problems_.push_back(fmt::format("{}: expected finite numbers, found {}", name, *problem));
   }

@@ -1,11 +1,10 @@
 #include "nn/models/yolov5.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
+#include "nn/base/parallel.h"
 #include "nn/layers/nms.h"
 #include "nn/layers/prototype_mask.h"
 #include "nn/models/coco_categories.h"
@@ -63,10 +62,10 @@ void Yolov5::detect(const ByteView& image, Arena& arena, std::vector<Detection>&
   const std::size_t prototype_pixels = static_cast<std::size_t>(output.prototypes.height()) *
                                        static_cast<std::size_t>(output.prototypes.width());
   const ArenaBuffer scratch =  // of each thread
-      arena.allocate(static_cast<std::size_t>(omp_get_max_threads()) * prototype_pixels);
+      arena.allocate(static_cast<std::size_t>(thread_count()) * prototype_pixels);
   detections.resize(candidates.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t d = 0; d < candidates.size(); ++d) {
+  parallel_for(static_cast<std::int64_t>(candidates.size()), 1, [&](int number, int slot) {
+    const auto d = static_cast<std::size_t>(number);
     const Yolov5Candidate& candidate = candidates[d];
     const Box& box = candidate.box;
     Detection& detection = detections[d];
@@ -77,13 +76,13 @@ void Yolov5::detect(const ByteView& image, Arena& arena, std::vector<Detection>&
     detection.label = category_of_class(candidate.label, shape_.classes);
     if (!has_masks()) {
       detection.mask = {};
-      continue;
+      return;
     }
-    const std::span<float> probabilities(
-        scratch.data() + static_cast<std::size_t>(omp_get_thread_num()) * prototype_pixels, prototype_pixels);
+    const std::span<float> probabilities(scratch.data() + static_cast<std::size_t>(slot) * prototype_pixels,
+                                         prototype_pixels);
     prototype_mask(output.prototypes, head_.coefficients(output, candidate), frame, detection.box,
                    image.width, image.height, config_.mask_threshold, probabilities, detection.mask);
-  }
+  });
 }
 
 }  // namespace penumbra::nn

@@ -71,6 +71,16 @@ struct WinogradInputArguments {
   int tiles = 0;
 };
 
+// U = G g G^T of the 3 x 3 kernels of V output channels (the tile's: 8, 16 or 32) and `count` input channels.
+constexpr int kWinogradKernel = 9;
+struct WinogradWeightArguments {
+  const float* input = nullptr;        // [count][9][V]
+  float* output = nullptr;             // [count][V] of the first of the 36 numbers
+  std::ptrdiff_t position_stride = 0;  // from one of them to the next
+  int channels = 0;                    // V
+  int count = 0;
+};
+
 // y = max( lower_bound, A^T M A + bias + residual ) for `tiles` neighbouring tiles of a row, cut to `rows` x
 // `columns` pixels.
 struct WinogradOutputArguments {
@@ -151,6 +161,7 @@ struct KernelTable {
   const TileKernels* tile;
   void (*winograd_input)(const WinogradInputArguments&);
   void (*winograd_output)(const WinogradOutputArguments&);
+  void (*winograd_weights)(const WinogradWeightArguments&);
 
   // In place, `count` values; `slope` is read by leaky_relu alone. See nn/layers/activations.h.
   void (*activate)(float* values, std::ptrdiff_t count, Activation activation, float slope);

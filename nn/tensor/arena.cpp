@@ -1,10 +1,10 @@
 #include "nn/tensor/arena.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <new>
 #include <utility>
+
+#include "nn/base/parallel.h"
 
 namespace penumbra::nn {
 
@@ -14,6 +14,8 @@ constexpr std::size_t kAlignment = 64;  // a cache line, and the widest vector
 // Schedules that are remembered: enough for a few cameras and networks; the one unused for longest is
 // forgotten.
 constexpr std::size_t kMostSchedules = 16;
+// Smaller buffers of a pass that is recorded are allocated as any others are.
+constexpr std::size_t kLeastPiece = std::size_t{256} << 10;
 
 float* allocate_memory(std::size_t bytes) {
   return static_cast<float*>(::operator new (bytes, std::align_val_t{kAlignment}));
@@ -32,6 +34,7 @@ ArenaBuffer& ArenaBuffer::operator=(ArenaBuffer&& other) noexcept {
   index_ = other.index_;
   pass_ = other.pass_;
   in_block_ = other.in_block_;
+  in_piece_ = other.in_piece_;
   return *this;
 }
 
@@ -42,7 +45,7 @@ void ArenaBuffer::release() {
 
 Arena::Pass::Pass(Arena& arena, const void* network, int height, int width)
     : arena_(arena.in_pass_ ? nullptr : &arena) {
-  if (arena_ != nullptr) arena_->begin({network, height, width, omp_get_max_threads()});
+  if (arena_ != nullptr) arena_->begin({network, height, width, thread_count()});
 }
 
 Arena::Pass::~Pass() {
@@ -75,6 +78,7 @@ void Arena::begin(const Key& key) {
     }
     schedules_[current_].key = key;
     free_block();  // else the pass would need both
+    most_pieces_bytes_ = 0;
   }
   schedules_[current_].last_pass = pass_;
 }
@@ -83,6 +87,8 @@ void Arena::end() {
   if (mode_ == Mode::recording) {
     try {
       make_plan(schedules_[current_]);
+      spare_.clear();
+      spare_bytes_ = 0;
       make_block();
     } catch (const std::bad_alloc&) {
       schedules_[current_].key = {};  // without a plan, then
@@ -135,11 +141,13 @@ ArenaBuffer Arena::allocate(std::size_t count) {
     step({buffer.index_, buffer.bytes_});
   }
   if (mode_ == Mode::replaying) {
-    buffer.data_ = block_ + schedules_[current_].plan.offsets[buffer.index_] / sizeof(float);
+    buffer.data_ = reinterpret_cast<float*>(block_.data() + schedules_[current_].plan.offsets[buffer.index_]);
     buffer.in_block_ = true;
     ++block_users_;
   } else {
-    buffer.data_ = allocate_memory(buffer.bytes_);
+    if (mode_ == Mode::recording) buffer.data_ = take_piece(buffer.bytes_);
+    buffer.in_piece_ = buffer.data_ != nullptr;
+    if (!buffer.in_piece_) buffer.data_ = allocate_memory(buffer.bytes_);
     hold(buffer.bytes_);
   }
   buffer.arena_ = this;
@@ -150,22 +158,70 @@ void Arena::release(const ArenaBuffer& buffer) {
   if (in_pass_ && buffer.pass_ == pass_) step({buffer.index_, 0});
   if (buffer.in_block_) {
     --block_users_;
+    return;
+  }
+  if (buffer.in_piece_) {
+    leave_piece(buffer.data_);
   } else {
     free_memory(buffer.data_);
-    held_ -= buffer.bytes_;
   }
+  held_ -= buffer.bytes_;
+}
+
+float* Arena::take_piece(std::size_t bytes) {
+  if (bytes < kLeastPiece) return nullptr;
+  // The smallest spare one that is large enough, cut; memory that was touched costs no page fault.
+  const auto fits = [&](const PageBlock& piece) { return piece.bytes() >= bytes; };
+  auto best = std::find_if(spare_.begin(), spare_.end(), fits);
+  for (auto other = best; other != spare_.end(); ++other) {
+    if (fits(*other) && other->bytes() < best->bytes()) best = other;
+  }
+  PageBlock piece;
+  if (best != spare_.end()) {
+    piece = std::move(*best);
+    spare_.erase(best);
+    spare_bytes_ -= piece.bytes();
+    piece.cut(bytes);
+  } else {
+    piece = PageBlock(bytes);
+    if (piece.empty()) return nullptr;
+  }
+  spare_.reserve(pieces_.size() + spare_.size() + 1);  // so that leaving it cannot fail
+  pieces_bytes_ += bytes;
+  most_pieces_bytes_ = std::max(most_pieces_bytes_, pieces_bytes_);
+  while (pieces_bytes_ + spare_bytes_ > most_pieces_bytes_) {
+    spare_bytes_ -= spare_.front().bytes();
+    spare_.erase(spare_.begin());
+  }
+  pieces_.push_back(std::move(piece));
+  return reinterpret_cast<float*>(pieces_.back().data());
+}
+
+void Arena::leave_piece(float* data) {
+  const auto found = std::find_if(pieces_.begin(), pieces_.end(), [&](const PageBlock& piece) {
+    return reinterpret_cast<float*>(piece.data()) == data;
+  });
+  pieces_bytes_ -= found->bytes();
+  if (mode_ == Mode::recording) {
+    spare_bytes_ += found->bytes();
+    spare_.push_back(std::move(*found));
+  }
+  pieces_.erase(found);
 }
 
 void Arena::make_block() {
   for (const Schedule& schedule : schedules_) block_bytes_ = std::max(block_bytes_, schedule.plan.bytes);
   if (block_bytes_ == 0) return;
-  block_ = allocate_memory(block_bytes_);
+  block_ = PageBlock(block_bytes_);
+  if (block_.empty()) {
+    block_bytes_ = 0;
+    throw std::bad_alloc();
+  }
   hold(block_bytes_);
 }
 
 void Arena::free_block() {
-  if (block_ == nullptr) return;
-  free_memory(std::exchange(block_, nullptr));
+  block_ = PageBlock();
   held_ -= std::exchange(block_bytes_, 0);
 }
 

@@ -1,10 +1,10 @@
 // Memory for activations: one block, planned from the schedule of a forward pass.
 //
 // The order in which a network asks for buffers and gives them back is the same whenever the shape of its
-// input is. So the first pass of a shape is recorded, every buffer in memory of its own; from its steps
-// memory_plan.h gives each buffer an offset in one block; the later passes of the shape replay the plan: the
-// k-th step is checked against the k-th one recorded, a buffer is the block plus its offset, and nothing is
-// allocated.
+// input is. So the first pass of a shape is recorded, each buffer in the first gap of a block that grows as
+// it must (so that memory which was touched serves again); from its steps memory_plan.h gives each buffer an
+// offset in that block; the later passes of the shape replay the plan: the k-th step is checked against the
+// k-th one recorded, a buffer is the block plus its offset, and nothing is allocated.
 //
 //   Arena::Pass pass(arena, this, height, width);   // begins: replay where a plan is known, else record
 //   FeatureMap y = conv(x, arena);                  // allocate and release are the steps
@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nn/base/page_block.h"
 #include "nn/tensor/memory_plan.h"
 
 namespace penumbra::nn {
@@ -47,7 +48,8 @@ class ArenaBuffer {
   std::size_t bytes_ = 0;
   std::size_t index_ = 0;   // among the buffers of its pass
   std::uint64_t pass_ = 0;  // number of its pass; 0 outside of passes
-  bool in_block_ = false;   // else it has memory of its own
+  bool in_block_ = false;   // else it has memory of its own:
+  bool in_piece_ = false;   // from a pass that was recorded
 };
 
 class Arena {
@@ -55,7 +57,6 @@ class Arena {
   Arena() = default;
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
-  ~Arena() { free_block(); }
 
   // One forward pass of `network` (any address that tells networks apart) on an input whose extents decide
   // the schedule. Inside another pass it is a part of that one.
@@ -73,7 +74,7 @@ class Arena {
   // A buffer of at least `count` floats. The arena must outlive it.
   ArenaBuffer allocate(std::size_t count);
 
-  std::size_t bytes() const { return held_; }             // held from the system
+  std::size_t bytes() const { return held_; }             // of the block, and of buffers outside
   std::size_t peak_bytes() const { return peak_; }        // the most that ever was
   std::size_t recordings() const { return recordings_; }  // passes so far that had no plan
 
@@ -107,6 +108,9 @@ class Arena {
   void make_block();  // as large as the largest plan
   void free_block();
   void hold(std::size_t bytes);
+  // Memory of their own, for buffers of a pass that is recorded.
+  float* take_piece(std::size_t bytes);
+  void leave_piece(float* data);
 
   std::vector<Schedule> schedules_;
   std::size_t current_ = 0;  // of schedules_, in a pass
@@ -115,8 +119,10 @@ class Arena {
   std::uint64_t pass_ = 0;  // number of the last pass
   std::size_t next_step_ = 0, next_buffer_ = 0;
 
-  float* block_ = nullptr;
+  PageBlock block_;
   std::size_t block_bytes_ = 0, block_users_ = 0;
+  std::vector<PageBlock> pieces_, spare_;  // in use; left by others in this pass
+  std::size_t pieces_bytes_ = 0, most_pieces_bytes_ = 0, spare_bytes_ = 0;
   std::size_t held_ = 0, peak_ = 0, recordings_ = 0;
 };
 

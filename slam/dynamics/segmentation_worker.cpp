@@ -1,24 +1,11 @@
 #include "slam/dynamics/segmentation_worker.h"
 
-#include <omp.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <utility>
 
+#include "nn/base/parallel.h"
+
 namespace penumbra::slam {
-
-namespace {
-
-// Leaves the processors to the tracker and the mapper where both want them. Linux: of this thread only.
-void lower_priority() {
-  constexpr int kNicer = 10;  // than the process is
-  const auto thread = static_cast<id_t>(gettid());
-  (void)setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNicer);
-}
-
-}  // namespace
 
 SegmentationWorker::SegmentationWorker(Segmenter segmenter, bool threaded, int threads)
     : segmenter_(std::move(segmenter)), threaded_(threaded), threads_(threads) {
@@ -80,8 +67,8 @@ SegmentedFrame SegmentationWorker::segment(const ImageToSegment& image) {
 }
 
 void SegmentationWorker::run() {
-  lower_priority();
-  omp_set_num_threads(threads_);  // of this thread's loops only
+  run_in_background();
+  set_thread_count(threads_);
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [&] { return ending_ || waiting_; });

@@ -2,9 +2,11 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
+#include "nn/base/parallel.h"
 #include "nn/base/quantile.h"
 
 namespace penumbra::slam {
@@ -99,29 +101,29 @@ DenseScore DenseTruth::score(const DenseCloud& map, const Similarity& truth_from
     places[i] = (truth_from_map * p.cast<double>()).cast<float>();
     moved.add({.place = places[i], .weight = 1.0F, .colour = Eigen::Vector3f::Zero()}, 1);
   }
-#pragma omp parallel for schedule(dynamic, 1024)
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  parallel_for(static_cast<std::int64_t>(places.size()), 1024, [&](std::int64_t number) {
+    const auto i = static_cast<std::size_t>(number);
     const Nearest standing = nearest_to(standing_, places[i], kFarthestNeighbour);
     errors[i] = standing.distance;
     distances[i] = standing.voxel == nullptr ? 0.0 : standing.voxel->colour[0];
-    if (errors[i] <= 2.0 * kGhost) continue;
+    if (errors[i] <= 2.0 * kGhost) return;
     const auto was_in = [&](const VoxelGrid& grid) {
       return nearest_to(grid, places[i], kGhost).voxel != nullptr;
     };
     ghost[i] = was_in(people_) ? kPerson : was_in(things_) ? kThingMoves : kStands;
-  }
+  });
   std::vector<double> at_three;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (distances[i] > 2.5 && distances[i] < 3.5) at_three.push_back(errors[i]);
   }
   const std::vector<Voxel>& truth = standing_.voxels();
-  std::size_t measured = 0, found = 0;
-#pragma omp parallel for schedule(dynamic, 1024) reduction(+ : measured, found)
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (truth[i].class_id != 1) continue;
+  std::atomic<std::size_t> measured{0}, found{0};
+  parallel_for(static_cast<std::int64_t>(truth.size()), 1024, [&](std::int64_t number) {
+    const Voxel& voxel = truth[static_cast<std::size_t>(number)];
+    if (voxel.class_id != 1) return;
     ++measured;
-    found += nearest_to(moved, truth[i].place, kNear).voxel != nullptr;
-  }
+    if (nearest_to(moved, voxel.place, kNear).voxel != nullptr) ++found;
+  });
   const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
   score.completeness = share(static_cast<double>(found), static_cast<double>(measured));
   const auto share_of = [&](std::uint8_t kind) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "nn/base/parallel.h"
 #include "slam/world/noise.h"
 
 namespace penumbra::slam::synthetic {
@@ -102,8 +103,8 @@ float automatic_exposure(const Image<Colour>& radiance, double time, float chang
 
 void develop_grey(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& grey) {
   grey.create(radiance.width(), radiance.height());
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < radiance.height(); ++row) {
+  parallel_for(radiance.height(), 8, [&](std::int64_t row_number) {
+    const int row = static_cast<int>(row_number);
     for (int column = 0; column < radiance.width(); ++column) {
       const Colour& light = radiance.at(column, row);
       const auto pixel = static_cast<std::uint32_t>(row * radiance.width() + column);
@@ -112,13 +113,13 @@ void develop_grey(const Image<Colour>& radiance, const SensorSettings& settings,
       const float sum = 0.299F * light[0] + 0.587F * light[1] + 0.114F * light[2];
       grey.at(column, row) = level(sum * settings.exposure, noise);
     }
-  }
+  });
 }
 
 void develop_bgr(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& bgr) {
   bgr.create(radiance.width(), radiance.height(), 3);
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < radiance.height(); ++row) {
+  parallel_for(radiance.height(), 8, [&](std::int64_t row_number) {
+    const int row = static_cast<int>(row_number);
     for (int column = 0; column < radiance.width(); ++column) {
       const Colour& light = radiance.at(column, row);
       const auto pixel = static_cast<std::uint32_t>(row * radiance.width() + column);
@@ -129,7 +130,7 @@ void develop_bgr(const Image<Colour>& radiance, const SensorSettings& settings, 
             level(light[channel] * settings.exposure, settings.noise * gaussian_noise(h));
       }
     }
-  }
+  });
 }
 
 }  // namespace penumbra::slam::synthetic

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "nn/base/parallel.h"
 #include "slam/world/camera_sensor.h"
 #include "slam/world/noise.h"
 
@@ -74,11 +75,10 @@ void DepthCamera::make_noise(const Size& size, int number) {
     return gaussian_noise(
         mix_bits(static_cast<std::uint32_t>(row * width + column) * 0x9e3779b1U + seed + channel));
   };
-#pragma omp parallel
-  {
+  constexpr int kRows = 8;  // a piece
+  parallel_pieces(height, kRows, [&](std::int64_t first, std::int64_t end, int) {
     std::vector<float> line(static_cast<std::size_t>(width));
-#pragma omp for schedule(static)
-    for (int row = 0; row < height; ++row) {
+    for (int row = static_cast<int>(first); row < end; ++row) {
       for (int column = 0; column < width; ++column)
         line[static_cast<std::size_t>(column)] = white(column, row, 1U << 20);
       running_sum(line.data(), &wide_.at(0, row), width, 1, settings_.wide);
@@ -86,47 +86,46 @@ void DepthCamera::make_noise(const Size& size, int number) {
         line[static_cast<std::size_t>(column)] = white(column, row, 2U << 20);
       running_sum(line.data(), &narrow_.at(0, row), width, 1, settings_.narrow);
     }
-    // Down the columns, a block of them at a time.
-    const float wide = std::sqrt(settings_.wide_share) / static_cast<float>(settings_.wide),
-                narrow = std::sqrt(settings_.narrow_share) / static_cast<float>(settings_.narrow),
-                own = std::sqrt(std::max(0.0F, 1.0F - settings_.wide_share - settings_.narrow_share));
-    constexpr int kBlock = 32;
-#pragma omp for schedule(static)
-    for (int left = 0; left < width; left += kBlock) {
-      const int count = std::min(kBlock, width - left);
-      std::array<float, kBlock> wide_sum{}, narrow_sum{};
-      const auto slide = [&](const FloatImage& means, int side, int row, std::array<float, kBlock>& sum) {
-        const int before = side / 2, after = side - 1 - before;
-        for (int i = 0; i < count; ++i) {
-          float& s = sum[static_cast<std::size_t>(i)];
-          if (row == 0) {
-            s = 0.0F;
-            for (int r = 0; r <= std::min(after, height - 1); ++r) s += means.at(left + i, r);
-            continue;
-          }
-          if (row + after < height) s += means.at(left + i, row + after);
-          if (row - before - 1 >= 0) s -= means.at(left + i, row - before - 1);
+  });
+  // Down the columns, a block of them at a time.
+  const float wide = std::sqrt(settings_.wide_share) / static_cast<float>(settings_.wide),
+              narrow = std::sqrt(settings_.narrow_share) / static_cast<float>(settings_.narrow),
+              own = std::sqrt(std::max(0.0F, 1.0F - settings_.wide_share - settings_.narrow_share));
+  constexpr int kBlock = 32;
+  parallel_pieces(width, kBlock, [&](std::int64_t first, std::int64_t end, int) {
+    const int left = static_cast<int>(first), count = static_cast<int>(end - first);
+    std::array<float, kBlock> wide_sum{}, narrow_sum{};
+    const auto slide = [&](const FloatImage& means, int side, int row, std::array<float, kBlock>& sum) {
+      const int before = side / 2, after = side - 1 - before;
+      for (int i = 0; i < count; ++i) {
+        float& s = sum[static_cast<std::size_t>(i)];
+        if (row == 0) {
+          s = 0.0F;
+          for (int r = 0; r <= std::min(after, height - 1); ++r) s += means.at(left + i, r);
+          continue;
         }
-      };
-      for (int row = 0; row < height; ++row) {
-        slide(wide_, settings_.wide, row, wide_sum);
-        slide(narrow_, settings_.narrow, row, narrow_sum);
-        for (int i = 0; i < count; ++i) {
-          noise_.at(left + i, row) = wide * wide_sum[static_cast<std::size_t>(i)] +
-                                     narrow * narrow_sum[static_cast<std::size_t>(i)] +
-                                     own * white(left + i, row, 3U << 20);
-        }
+        if (row + after < height) s += means.at(left + i, row + after);
+        if (row - before - 1 >= 0) s -= means.at(left + i, row - before - 1);
+      }
+    };
+    for (int row = 0; row < height; ++row) {
+      slide(wide_, settings_.wide, row, wide_sum);
+      slide(narrow_, settings_.narrow, row, narrow_sum);
+      for (int i = 0; i < count; ++i) {
+        noise_.at(left + i, row) = wide * wide_sum[static_cast<std::size_t>(i)] +
+                                   narrow * narrow_sum[static_cast<std::size_t>(i)] +
+                                   own * white(left + i, row, 3U << 20);
       }
     }
-  }
+  });
 }
 
 void DepthCamera::displace_edges(const FloatImage& truth, int number) {
   seen_.create(truth.width(), truth.height());
   const float fb = settings_.focal_baseline, reach = settings_.wobble;
   const int width = truth.width(), height = truth.height();
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < height; ++row) {
+  parallel_for(height, 8, [&](std::int64_t row_number) {
+    const int row = static_cast<int>(row_number);
     const int above = std::max(0, row - 2), below = std::min(height - 1, row + 2);
     for (int column = 0; column < width; ++column) {
       float& seen = seen_.at(column, row) = truth.at(column, row);
@@ -143,7 +142,7 @@ void DepthCamera::displace_edges(const FloatImage& truth, int number) {
       const int dv = static_cast<int>(std::lround(reach * value_noise(x, y, t, seed_ + 12U)));
       seen = truth.at(std::clamp(column + du, 0, width - 1), std::clamp(row + dv, 0, height - 1));
     }
-  }
+  });
 }
 
 // Makes holes of what the projector or second imager, to the right of the camera, cannot see; see
@@ -228,8 +227,8 @@ void DepthCamera::sense(const FloatImage& truth, const ByteImage& bgr, int numbe
             top = scaled(settings_.band_top, scale_y),
             bottom = size.height - scaled(settings_.band_bottom, scale_y);
   const float fb = settings_.focal_baseline;
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < size.height; ++row) {
+  parallel_for(size.height, 8, [&](std::int64_t row_number) {
+    const int row = static_cast<int>(row_number);
     float* sensed = &depth.at(0, row);
     const float* z = &seen_.at(0, row);
     for (int column = 0; column < size.width; ++column) {
@@ -268,7 +267,7 @@ void DepthCamera::sense(const FloatImage& truth, const ByteImage& bgr, int numbe
         measured = std::round(measured / settings_.depth_step) * settings_.depth_step;
       sensed[column] = measured;
     }
-  }
+  });
 }
 
 WordImage encode_sensed_depth(const FloatImage& depth, float levels_a_metre) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/base/parallel.h"
 #include "slam/world/camera_sensor.h"
 #include "slam/world/noise.h"
 
@@ -33,8 +34,8 @@ void cast_projector_shadow(const RenderedView& view, const StereoCamera& camera,
 void sense_depth(const RenderedView& view, const StereoCamera& camera, std::uint32_t seed,
                  FloatImage& depth) {
   depth.create(view.depth.width(), view.depth.height());
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < depth.height(); ++row) {
+  parallel_for(depth.height(), 8, [&](std::int64_t row_number) {
+    const int row = static_cast<int>(row_number);
     for (int column = 0; column < depth.width(); ++column) {
       const float z = view.depth.at(column, row);
       float& sensed = depth.at(column, row) = 0.0F;
@@ -52,7 +53,7 @@ void sense_depth(const RenderedView& view, const StereoCamera& camera, std::uint
       sensed = z + kDepthNoise * z * z * gaussian_noise(hash_of(pixel, seed));
     }
     cast_projector_shadow(view, camera, row, depth);
-  }
+  });
 }
 
 }  // namespace penumbra::slam::synthetic

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "nn/base/parallel.h"
+
 namespace penumbra::slam::synthetic {
 
 WordImage encode_depth(const FloatImage& depth, float per_metre) {
@@ -43,8 +45,8 @@ FlowImage optical_flow(const World& world, const StereoCamera& camera, const Ren
     moving[static_cast<std::int32_t>(i)] = next_from_world * after * before.inverse() * now.T_wc;
   }
   FlowImage flow(view.depth.width(), view.depth.height());
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < flow.height(); ++row) {
+  parallel_for(flow.height(), 8, [&](std::int64_t row_number) {
+    const int row = static_cast<int>(row_number);
     for (int column = 0; column < flow.width(); ++column) {
       const float z = view.depth.at(column, row);
       std::array<float, 3>& result = flow.at(column, row) = {0.0F, 0.0F, 0.0F};
@@ -56,7 +58,7 @@ FlowImage optical_flow(const World& world, const StereoCamera& camera, const Ren
       const Eigen::Vector2d pixel = camera.project(point);
       result = {static_cast<float>(pixel.x() - column), static_cast<float>(pixel.y() - row), 1.0F};
     }
-  }
+  });
   return flow;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "nn/base/parallel.h"
+
 namespace penumbra::slam::synthetic {
 
 namespace {
@@ -80,12 +82,10 @@ std::vector<InstanceMasks> find_instances(const FrameGeometry& geometry, const R
   std::vector<const std::vector<int>*> lists;
   for (const auto& [instance, numbers] : parts) lists.push_back(&numbers);
   std::vector<InstanceMasks> instances(lists.size());
-  const int count = static_cast<int>(lists.size());
-#pragma omp parallel for schedule(dynamic)
-  for (int i = 0; i < count; ++i) {
+  parallel_for(static_cast<std::int64_t>(lists.size()), 1, [&](std::int64_t i) {
     const auto k = static_cast<std::size_t>(i);
     instances[k] = masks_of(geometry, *lists[k], view);
-  }
+  });
   std::erase_if(instances, [](const InstanceMasks& masks) { return masks.whole_area == 0; });
   return instances;
 }

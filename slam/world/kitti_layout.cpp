@@ -1,10 +1,9 @@
 // Writes a stereo sequence as KITTI odometry lays its own out.
-#include <omp.h>
-
 #include <algorithm>
 
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/parallel.h"
 #include "slam/world/coco_annotations.h"
 #include "slam/world/ground_truth_images.h"
 #include "slam/world/landmark_images.h"
@@ -85,7 +84,7 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
   if (recording.landmarks) nn::write_file(root / "landmarks.json", things.list());
 
   CocoWriter annotations(sequence.image_size(), sequence.world().catalogue);
-  ImageWriter images(std::max(1, omp_get_max_threads() / 2));
+  ImageWriter images(std::max(1, thread_count() / 2));
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
     const std::string name = fmt::format("{:06d}.png", i);

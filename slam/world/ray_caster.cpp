@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/base/parallel.h"
 #include "slam/world/materials.h"
 
 namespace penumbra::slam::synthetic {
@@ -30,13 +31,8 @@ void RayCaster::render_tiles(int first, int end, RenderedView& view) {
   surfaces_.create(camera.width, camera.height);
   if (view.wants_reflectance) view.reflectance.create(camera.width, camera.height);
   if (view.wants_objects) view.object.create(camera.width, camera.height);
-#pragma omp parallel
-  {
-#pragma omp for schedule(dynamic)
-    for (int tile = first; tile < end; ++tile) find_surfaces(tile, view);
-#pragma omp for schedule(dynamic)
-    for (int tile = first; tile < end; ++tile) colour(tile, view);
-  }
+  parallel_for(end - first, 1, [&](std::int64_t i) { find_surfaces(first + static_cast<int>(i), view); });
+  parallel_for(end - first, 1, [&](std::int64_t i) { colour(first + static_cast<int>(i), view); });
 }
 
 void RayCaster::find_surfaces(int tile, RenderedView& view) {

@@ -2,7 +2,7 @@
 //
 // Every pixel's own values come from the ray through its centre (exact geometry, so depth and ids are true to
 // the sample); pixels whose neighbours show another surface average the colour of four rays, placed on a
-// rotated grid. Two passes run over tiles of the image with OpenMP: which surface is where, then its colour.
+// rotated grid. Threads share two passes over tiles of the image: which surface is where, then its colour.
 // No pixel depends on the order of the work, so the bytes are the same for any number of threads.
 #pragma once
 

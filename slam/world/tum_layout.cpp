@@ -1,11 +1,10 @@
 // Writes an RGB-D sequence as the TUM RGB-D benchmark lays its own out.
-#include <omp.h>
-
 #include <algorithm>
 #include <map>
 
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/parallel.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/world/coco_annotations.h"
 #include "slam/world/ground_truth_images.h"
@@ -62,7 +61,7 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
   if (recording.depth) lists["depth_clean"] = "";
   for (auto& [name, list] : lists) list = "# timestamp filename\n";
   CocoWriter annotations(sequence.image_size(), sequence.world().catalogue);
-  ImageWriter images(std::max(1, omp_get_max_threads() / 2));
+  ImageWriter images(std::max(1, thread_count() / 2));
   for (int i = 0; i < sequence.size(); ++i) {
     sequence.render(i, frame);
     const std::string time = fmt::format("{:.6f}", from_first[static_cast<std::size_t>(i)].timestamp);

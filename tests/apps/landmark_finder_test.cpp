@@ -3,12 +3,12 @@
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/base/stopwatch.h"
 #include "nn/io/safetensors.h"
 #include "slam/world/landmark_images.h"
@@ -101,11 +101,11 @@ TEST(LandmarkFinder, RepeatsBitForBitOnAnyNumberOfThreadsAndInTime) {
   Street street(902);
   street.render(7);
   apps::ImageLandmarks find(weights());
-  const int threads = omp_get_max_threads();
+  const int threads = thread_count();
   brain::Landmarks first, again;
   find(street.image(), first);
   for (const int count : {1, 2}) {
-    omp_set_num_threads(count);
+    set_thread_count(count);
     find(street.image(), again);
     ASSERT_EQ(again.size(), first.size());
     for (std::size_t i = 0; i < first.size(); ++i) {
@@ -119,7 +119,7 @@ TEST(LandmarkFinder, RepeatsBitForBitOnAnyNumberOfThreadsAndInTime) {
     find(street.image(), again);
     times.push_back(watch.milliseconds());
   }
-  omp_set_num_threads(threads);
+  set_thread_count(threads);
   std::nth_element(times.begin(), times.begin() + 10, times.end());
   RecordProperty("ms", fmt::format("{:.2f}", times[10]));
   EXPECT_LE(std::filesystem::file_size(weights()), 4'000'000U);

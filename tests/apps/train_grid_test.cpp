@@ -29,7 +29,7 @@ TEST(TrainGrid, WritesTheFileItsPicturesAndTheTable) {
 TEST(TrainGrid, GivesTheSameFileOnAnyNumberOfThreads) {
   const TemporaryDirectory folder;
   for (const char* threads : {"1", "2"}) {
-    // The number of threads comes from OpenMP's own variable.
+    // This command has no --threads.
     ::setenv("OMP_NUM_THREADS", threads, 1);
     const ProgramResult run = run_penumbra("brain train-grid --seconds 50 --modules 2 --seeds 0 --out '" +
                                            (folder / threads).string() + "'");

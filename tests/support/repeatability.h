@@ -2,10 +2,10 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <vector>
 
+#include "nn/base/parallel.h"
 #include "nn/models/instance_segmenter.h"
 
 namespace penumbra::test {
@@ -23,14 +23,14 @@ inline void expect_same_bits(const std::vector<nn::Detection>& found,
 }
 
 inline void expect_repeats_on_any_number_of_threads(nn::InstanceSegmenter& network, const ByteImage& image) {
-  const int threads = omp_get_max_threads();
+  const int threads = thread_count();
   const std::vector<nn::Detection> first = network(image);
   for (const int count : {1, 2, 3}) {
-    omp_set_num_threads(count);
+    set_thread_count(count);
     expect_same_bits(network(image), first);
     expect_same_bits(network(image), first);  // now by a plan made for this number of threads
   }
-  omp_set_num_threads(threads);
+  set_thread_count(threads);
 }
 
 }  // namespace penumbra::test

@@ -1,11 +1,11 @@
 // One loaded network serves several threads, each with its own arena. Also run under ThreadSanitizer: see
 // CONTRIBUTING.md.
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <thread>
 #include <vector>
 
+#include "nn/base/parallel.h"
 #include "nn/models/mask_rcnn.h"
 #include "tests/support/random_network.h"
 #include "tests/support/repeatability.h"
@@ -29,7 +29,7 @@ TEST(SharedNetwork, ThreadsWithTheirOwnArenasGetTheSameBitsAsOneAlone) {
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
     threads.emplace_back([&, t] {
-      omp_set_num_threads(1);  // of this thread's own team
+      set_thread_count(2 + t);  // of this thread's loops
       Arena arena;
       for (int i = 0; i < kImages; ++i)
         found[static_cast<std::size_t>(t)].push_back(network.detect(image(t, i), arena));

@@ -79,6 +79,7 @@ TEST(WildCheckpoint, PrefixesOfWrappersAreTakenOffInBothFormats) {
   nn::StateDict wrapped = load_weights(wild("prefix_twice")), other;
   for (auto& [name, tensor] : wrapped.tensors) other.tensors["model._orig_mod." + name] = tensor;
   other.owners = wrapped.owners;
+  other.file = wrapped.file;
   nn::write_safetensors(folder / "wrapped.safetensors", other);
   expect_the_network(load_weights(folder / "wrapped.safetensors"));
   // Not of all names, and not YOLOv5's own.

@@ -8,6 +8,7 @@ namespace penumbra::nn::PENUMBRA_ISA {
 extern const TileKernels kRegisterTile;
 void winograd_input(const WinogradInputArguments& a);
 void winograd_output(const WinogradOutputArguments& a);
+void winograd_weights(const WinogradWeightArguments& a);
 void activate(float* values, std::ptrdiff_t count, Activation activation, float slope);
 void roi_align(const RoiAlignArguments& a);
 void mix_row(const MixRowArguments& a);

@@ -7,6 +7,7 @@ const KernelTable kKernels = {
     &kRegisterTile,
     winograd_input,
     winograd_output,
+    winograd_weights,
     activate,
     roi_align,
     mix_row,

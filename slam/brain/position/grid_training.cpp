@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::slam::brain {
 
@@ -40,13 +41,14 @@ GridCode train_grid_code(const GridTrainingSettings& settings, bool untrained) {
   if (untrained) used.seconds = 0.0;
   const HeadDirectionRing ring = HeadDirectionRing::trained(settings.ring, settings.seed);
   GridCode code{ring.weights(), settings.rule, {}};
-  for (int m = 0; m < settings.modules; ++m) {
+  code.modules.resize(static_cast<std::size_t>(settings.modules));
+  parallel_for(settings.modules, 1, [&](std::int64_t m) {
     const Eigen::VectorXd start =
         Oscillators::random_start(ring.directions(), settings.seed + static_cast<std::uint64_t>(m));
-    const Lahn network = train_grid_network(used, ring, start, m);
+    const Lahn network = train_grid_network(used, ring, start, static_cast<int>(m));
     if (!network.finite()) throw Error("grid cells: the weights are no longer finite numbers");
-    code.modules.push_back({settings.wavelength, start, network.forward()});
-  }
+    code.modules[static_cast<std::size_t>(m)] = {settings.wavelength, start, network.forward()};
+  });
   return code;
 }
 

@@ -16,9 +16,14 @@ float difference_at(const IntensityProfile& a, const IntensityProfile& b, int sh
   for (int y = 0; y < kProfileHeight; ++y) {
     const float* row_a = a.data() + y * kProfileWidth;
     const float* row_b = b.data() + y * kProfileWidth + shift;
-    float row = 0.0F;
-#pragma omp simd reduction(+ : row)
-    for (int x = first; x < last; ++x) row += std::abs(row_a[x] - row_b[x]);
+    // Four sums side by side: a vector register's.
+    std::array<float, 4> lanes{};
+    int x = first;
+    for (; x + 4 <= last; x += 4) {
+      for (int l = 0; l < 4; ++l) lanes[static_cast<std::size_t>(l)] += std::abs(row_a[x + l] - row_b[x + l]);
+    }
+    float row = (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+    for (; x < last; ++x) row += std::abs(row_a[x] - row_b[x]);
     sum += row;
   }
   return sum / static_cast<float>((last - first) * kProfileHeight);

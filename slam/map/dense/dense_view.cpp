@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "nn/base/ceil_div.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::slam {
 
@@ -77,11 +78,11 @@ float nearest_depth(const DenseView& view, int column, int row) {
 
 FloatImage nearest_depths(const DenseView& view) {
   FloatImage nearest(view.depth.width(), view.depth.height());
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < nearest.height(); ++row) {
+  parallel_for(nearest.height(), 8, [&](std::int64_t number) {
+    const int row = static_cast<int>(number);
     for (int column = 0; column < nearest.width(); ++column)
       nearest.at(column, row) = nearest_depth(view, column, row);
-  }
+  });
   return nearest;
 }
 

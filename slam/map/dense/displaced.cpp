@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "nn/base/parallel.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -140,15 +142,15 @@ std::vector<char> find_displaced(std::span<const ShownThing> things, int step,
     for (std::size_t at = 0; at < asked.size(); ++at)
       of_view[asked[at]].push_back({questions.size() - 1, at});
   }
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (of_view[i].empty()) continue;
+  parallel_for(static_cast<std::int64_t>(views.size()), 1, [&](std::int64_t number) {
+    const auto i = static_cast<std::size_t>(number);
+    if (of_view[i].empty()) return;
     const FloatImage nearest = nearest_depths(*views[i].view);
     for (const Place& place : of_view[i]) {
       Question& question = questions[place.question];
       question.verdicts[place.at] = look_up(views[i], nearest, question.places, settings);
     }
-  }
+  });
   std::vector<char> displaced;
   for (const Question& question : questions) displaced.push_back(is_displaced(question) ? 1 : 0);
   return displaced;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "nn/base/parallel.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -47,20 +49,20 @@ void look_through(const PosedView& posed, const FusionSettings& settings, VoxelG
   const auto noise = static_cast<float>(settings.depth_noise);
   const float slack = 2.0F * static_cast<float>(settings.voxel);
   std::vector<Voxel>& voxels = grid.voxels();
-#pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const Eigen::Vector3f p = rotation * voxels[i].place + translation;
-    if (p.z() < 0.1F) continue;
+  parallel_for(static_cast<std::int64_t>(voxels.size()), 2048, [&](std::int64_t number) {
+    Voxel& voxel = voxels[static_cast<std::size_t>(number)];
+    const Eigen::Vector3f p = rotation * voxel.place + translation;
+    if (p.z() < 0.1F) return;
     const float u = fx * p.x() / p.z() + cx + 0.5F, v = fy * p.y() / p.z() + cy + 0.5F;
     if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(nearest.width()) &&
           v < static_cast<float>(nearest.height())))
-      continue;
+      return;
     const float behind = nearest.at(static_cast<int>(u), static_cast<int>(v));
     if (behind > p.z() + 3.0F * noise * behind * behind + slack &&
-        voxels[i].seen_through < std::numeric_limits<std::uint16_t>::max()) {
-      ++voxels[i].seen_through;
+        voxel.seen_through < std::numeric_limits<std::uint16_t>::max()) {
+      ++voxel.seen_through;
     }
-  }
+  });
 }
 
 }  // namespace

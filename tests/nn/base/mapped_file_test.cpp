@@ -19,6 +19,23 @@ TEST(MappedFile, ShowsTheBytesEvenAfterTheFileIsGone) {
   EXPECT_EQ(static_cast<char>(file->bytes()[7]), 'a');
 }
 
+TEST(MappedFile, WhatWasForgottenCanBeReadAgain) {
+  const test::TemporaryDirectory folder;
+  std::string text(100'000, 'a');
+  text.back() = 'z';
+  test::write_file(folder / "file", text);
+  const auto file = MappedFile::open(folder / "file");
+  const std::string elsewhere(10'000, 'b');
+  for (const std::span<const std::byte> part :
+       {file->bytes(), file->bytes().subspan(1, 50'000), file->bytes().last(1), file->bytes().first(0),
+        std::as_bytes(std::span(elsewhere))}) {
+    file->forget(part);
+    EXPECT_EQ(static_cast<char>(file->bytes()[0]), 'a');
+    EXPECT_EQ(static_cast<char>(file->bytes()[99'999]), 'z');
+  }
+  EXPECT_EQ(elsewhere, std::string(10'000, 'b'));
+}
+
 TEST(MappedFile, AnEmptyFileHasNoBytes) {
   const test::TemporaryDirectory folder;
   test::write_file(folder / "file", "");

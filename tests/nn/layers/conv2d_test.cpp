@@ -105,6 +105,56 @@ TEST_P(Conv2dTest, WinogradAgreesWithTheDirectSumInEveryDivisionOfLabour) {
   }
 }
 
+TEST_P(Conv2dTest, WeightsPreparedOnceServeSeveralMaps) {
+  for (const bool winograd : {true, false}) {
+    Conv2dOptions options;
+    options.winograd = winograd;
+    options.padding = 1;
+    const Conv2d conv(random_tensor({40, 50, 3, 3}, 1), random_vector(40, 2), options);
+    Arena arena;
+    const ArenaBuffer prepared = conv.prepare(arena);
+    for (const int size : {5, 9}) {
+      const FeatureMap map = to_feature_map(random_tensor({1, 50, size, size + 3}, 3), arena, size % 2);
+      EXPECT_EQ(to_tensor(conv(map, arena, prepared)).values, to_tensor(conv(map, arena)).values);
+    }
+  }
+}
+
+// G g G^T in f64, rounded once: the same bits on every instruction set.
+TEST_P(Conv2dTest, WinogradsWeightsAreExact) {
+  constexpr int kChannels = 16, kCount = 5;
+  const Tensor kernels = random_tensor({kCount, 9, kChannels}, 7);
+  std::vector<float> found(36 * kCount * kChannels);
+  WinogradWeightArguments a;
+  a.input = kernels.values.data();
+  a.output = found.data();
+  a.position_stride = kCount * kChannels;
+  a.channels = kChannels;
+  a.count = kCount;
+  nn::kernels().winograd_weights(a);
+  const double p[] = {0.0, kWinogradA, -kWinogradA, kWinogradB, -kWinogradB};
+  double g[6][3] = {};
+  for (int i = 0; i < 5; ++i) {
+    double n = 1.0;
+    for (int k = 0; k < 5; ++k) n *= k == i ? 1.0 : p[i] - p[k];
+    for (int j = 0; j < 3; ++j) g[i][j] = (j == 0 ? 1.0 : j == 1 ? p[i] : p[i] * p[i]) / n;
+  }
+  g[5][2] = 1.0;
+  for (int k = 0; k < kCount; ++k) {
+    for (int o = 0; o < kChannels; ++o) {
+      for (int position = 0; position < 36; ++position) {
+        double sum = 0.0;
+        for (int i = 0; i < 9; ++i) {
+          sum += g[position / 6][i / 3] * g[position % 6][i % 3] *
+                 static_cast<double>(kernels.values[static_cast<std::size_t>((k * 9 + i) * kChannels + o)]);
+        }
+        const float value = found[static_cast<std::size_t>((position * kCount + k) * kChannels + o)];
+        ASSERT_NEAR(value, sum, 6e-8 * std::abs(sum) + 1e-12);
+      }
+    }
+  }
+}
+
 TEST_P(Conv2dTest, GroupsAgreeWithTheReferenceOnRandomShapes) {
   std::mt19937 random(10);
   for (std::uint32_t trial = 0; trial < 60; ++trial) {

@@ -3,7 +3,6 @@
 #include "nn/models/interest_network.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <string>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "nn/image/image_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/image_cases.h"
@@ -125,17 +125,17 @@ TEST(InterestNetwork, ReadsGreyImagesAsColourOnesOfThreeEqualChannels) {
 TEST(InterestNetwork, RepeatsBitForBitOnAnyNumberOfThreads) {
   const InterestNetwork network(test::random_interest());
   const ByteImage image = test::random_image(4, 200, 90);
-  const int threads = omp_get_max_threads();
+  const int threads = thread_count();
   Arena arena;
   InterestMap first, again;
   network(image, arena, first);
   for (const int count : {1, 2, 3}) {
-    omp_set_num_threads(count);
+    set_thread_count(count);
     network(image, arena, again);
     EXPECT_EQ(again.probabilities, first.probabilities);
     EXPECT_EQ(again.embeddings, first.embeddings);
   }
-  omp_set_num_threads(threads);
+  set_thread_count(threads);
 }
 
 TEST(InterestNetwork, RefusesWeightsThatAreNotWholeByName) {

@@ -1,12 +1,12 @@
 #include "slam/dynamics/segmentation_worker.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <atomic>
 #include <future>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::slam {
 namespace {
@@ -78,18 +78,18 @@ TEST(SegmentationWorker, ARecordingThatIsPlayedWaitsNoLongerThanALiveCamera) {
 }
 
 TEST(SegmentationWorker, ItsNetworkHasTheThreadsThatItIsGiven) {
-  const int before = omp_get_max_threads();
+  const int before = thread_count();
   int seen = 0;
   SegmentationWorker worker(
       [&](const ImageToSegment&) {
-        seen = omp_get_max_threads();
+        seen = thread_count();
         return std::vector<Instance>{};
       },
       /*threaded=*/true, before + 2);
   worker.submit({0, {}, {}});
   worker.drain();
   EXPECT_EQ(seen, before + 2);
-  EXPECT_EQ(omp_get_max_threads(), before);  // of the caller's loops
+  EXPECT_EQ(thread_count(), before);  // of the caller's loops
 }
 
 TEST(SegmentationWorker, PassesErrorsOn) {

@@ -4,11 +4,11 @@
 #include "slam/world/depth_camera.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "slam/world/office_sequence.h"
 #include "tests/slam/world/synthetic_support.h"
 
@@ -287,12 +287,12 @@ TEST(DepthCamera, SaturatedPixelsAreWrittenAs65535) {
 
 TEST(DepthCamera, TheSameForAnyNumberOfThreads) {
   const auto hash = [](int threads) {
-    const int before = omp_get_max_threads();
-    omp_set_num_threads(threads);
+    const int before = thread_count();
+    set_thread_count(threads);
     DepthCamera camera(depth_camera("kinect"), 4);
     FloatImage depth;
     camera.sense(wall(2.5F), paint(40), 3, depth);
-    omp_set_num_threads(before);
+    set_thread_count(before);
     return hash_image(depth);
   };
   EXPECT_EQ(hash(1), hash(3));

@@ -2,7 +2,6 @@
 #include "slam/world/office_sequence.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "slam/frontend/features/orb_extractor.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/sources/open_dataset.h"
@@ -66,8 +66,8 @@ TEST(OfficeSequence, EveryPresetRenders) {
 }
 
 std::uint64_t hash_of_office(std::uint32_t seed, int threads) {
-  const int before = omp_get_max_threads();
-  omp_set_num_threads(threads);
+  const int before = thread_count();
+  set_thread_count(threads);
   OfficeSettings settings = small("walking-rpy", seed);
   settings.flow = settings.annotations = true;
   OfficeSequence office(settings);
@@ -80,7 +80,7 @@ std::uint64_t hash_of_office(std::uint32_t seed, int threads) {
     for (const InstanceMasks& masks : frame.instances)
       hash = hash * 31U + static_cast<std::uint64_t>(masks.whole_area);
   }
-  omp_set_num_threads(before);
+  set_thread_count(before);
   return hash;
 }
 

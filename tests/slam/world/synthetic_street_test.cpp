@@ -1,13 +1,13 @@
 // The synthetic street as a whole: repeatable, clear of the drive, rich enough for features, safe on bad
 // input.
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <fstream>
 #include <numbers>
 #include <opencv2/features2d.hpp>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 #include "slam/world/noise.h"
 #include "tests/slam/world/synthetic_support.h"
 #include "tests/support/cv_images.h"
@@ -19,8 +19,8 @@ namespace {
 using test::TemporaryDirectory;
 
 std::uint64_t hash_of_frames(std::uint32_t seed, int threads) {
-  const int before = omp_get_max_threads();
-  omp_set_num_threads(threads);
+  const int before = thread_count();
+  set_thread_count(threads);
   StreetSequence street({.size = {310, 94}, .seed = seed, .colour = true});
   SequenceFrame frame;
   std::uint64_t hash = 1;
@@ -31,7 +31,7 @@ std::uint64_t hash_of_frames(std::uint32_t seed, int threads) {
     }
     hash = hash_image(frame.left.instance, hash_image(frame.left.depth, hash));
   }
-  omp_set_num_threads(before);
+  set_thread_count(before);
   return hash;
 }
 

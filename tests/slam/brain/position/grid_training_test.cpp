@@ -1,11 +1,11 @@
 #include "slam/brain/position/grid_training.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <limits>
 
 #include "nn/base/error.h"
+#include "nn/base/parallel.h"
 
 namespace penumbra::slam::brain {
 namespace {
@@ -18,12 +18,12 @@ GridTrainingSettings quick_training() {
 }
 
 TEST(GridTraining, RepeatsForASeedOnAnyNumberOfThreads) {
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
+  const int threads = thread_count();
+  set_thread_count(1);
   const GridCode one = train_grid_code(quick_training());
-  omp_set_num_threads(2);
+  set_thread_count(2);
   const GridCode two = train_grid_code(quick_training());
-  omp_set_num_threads(threads);
+  set_thread_count(threads);
   EXPECT_EQ(one.directions, two.directions);
   for (std::size_t m = 0; m < 2; ++m) {
     EXPECT_EQ(one.modules[m].weights, two.modules[m].weights);
