@@ -67,7 +67,8 @@ void bench_network(const NetworkBenchmarkOptions& options) {
   const double gflop = 2e-9 * network->pyramid_multiply_adds(extent.padded_height, extent.padded_width);
 
   nlohmann::ordered_json result = machine_json(peak);
-  result["precision"] = to_string(options.config.precision.precision);
+  result["precision"] = to_string(network->precision());  // that it runs in, whatever was asked for
+  if (nn::is_supported(nn::Precision::bf16)) result["bf16"] = to_string(nn::bf16_arithmetic());
   result["network"] = network->name();
   result["image"] = options.size;
   result["input"] = fmt::format("{}x{}", extent.padded_width, extent.padded_height);
@@ -84,9 +85,10 @@ void bench_network(const NetworkBenchmarkOptions& options) {
     return;
   }
   print_machine(peak);
-  fmt::print("{} in {}, {} image as {}, {} detections\n", network->name(),
-             to_string(options.config.precision.precision), options.size, result["input"].get<std::string>(),
-             detections.size());
+  const bool bf16 = network->precision() == nn::Precision::bf16;
+  fmt::print("{} in {}{}, {} image as {}, {} detections\n", network->name(), to_string(network->precision()),
+             bf16 ? fmt::format(" by {}", to_string(nn::bf16_arithmetic())) : "", options.size,
+             result["input"].get<std::string>(), detections.size());
   fmt::print("backbone and pyramid {:8.1f} ms ({:.0f}% spread), {:.1f} GFLOP, {:.2f} x peak\n",
              pyramid.median * 1e3, pyramid.spread() * 100, gflop, gflop / pyramid.median / peak);
   fmt::print("full network         {:8.1f} ms ({:.0f}% spread), {:.0f} MB of activations\n",
@@ -105,14 +107,8 @@ void add_network_benchmark(CLI::App& bench) {
   command->add_option("--weights", options->weights, "Mask R-CNN weights [random ones, R50-FPN, 91 classes]");
   command->add_flag("--attention", options->attention, "random weights with mixed attention");
   add_mask_rcnn_options(command, options->config);
-  command
-      ->add_option_function<std::string>(
-          "--precision",
-          [options](const std::string& name) {
-            options->config.precision.precision = nn::precision_from_name(name);
-          },
-          "numbers that are multiplied: f32, bf16 or int8 [f32]")
-      ->check(CLI::IsMember({"f32", "bf16", "int8"}));
+  add_precision_option(
+      command, [options](const nn::LayerPrecision& precision) { options->config.precision = precision; });
   add_benchmark_options(command, options->common);
   command->footer(
       "Examples:\n"

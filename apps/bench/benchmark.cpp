@@ -15,6 +15,7 @@
 #include "nn/base/parallel.h"
 #include "nn/simd/isa.h"
 #include "nn/simd/kernel_table.h"
+#include "nn/simd/tile_unit.h"
 
 namespace penumbra::apps {
 
@@ -75,13 +76,38 @@ double peak_gflops() {
   return best;
 }
 
+double peak_tile_gflops(nn::Precision precision) {
+  constexpr long kIterations = 5'000;  // 80 microseconds on a tile unit
+  constexpr int kRuns = 5;
+  double best = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    std::atomic<double> operations{0.0};
+    const double seconds = seconds_of([&] {
+      parallel_for(thread_count(), 1,
+                   [&](std::int64_t) { operations += nn::tile_unit()->peak_loop(precision, kIterations); });
+    });
+    best = std::max(best, operations / seconds * 1e-9);
+  }
+  return best;
+}
+
 nlohmann::ordered_json machine_json(double peak) {
-  return {{"isa", nn::to_string(nn::current_isa())}, {"threads", thread_count()}, {"peak_gflops", peak}};
+  nlohmann::ordered_json machine{
+      {"isa", nn::to_string(nn::current_isa())}, {"threads", thread_count()}, {"peak_gflops", peak}};
+  if (nn::tile_unit() != nullptr) {
+    machine["peak_tile_gflops"] = {{"bf16", peak_tile_gflops(nn::Precision::bf16)},
+                                   {"int8", peak_tile_gflops(nn::Precision::int8)}};
+  }
+  return machine;
 }
 
 void print_machine(double peak) {
   fmt::print("{}, {} thread{}, peak {:.1f} GFLOP/s\n", nn::to_string(nn::current_isa()), thread_count(),
              thread_count() == 1 ? "" : "s", peak);
+  if (nn::tile_unit() != nullptr) {
+    fmt::print("tile unit, peak {:.1f} GFLOP/s in bf16, {:.1f} in int8\n",
+               peak_tile_gflops(nn::Precision::bf16), peak_tile_gflops(nn::Precision::int8));
+  }
 }
 
 }  // namespace penumbra::apps

@@ -15,7 +15,8 @@ void add_threads_option(CLI::App* command) {
 void add_isa_option(CLI::App* command) {
   command->add_option_function<std::string>(
       "--isa", [](const std::string& name) { nn::use_isa(nn::isa_from_name(name)); },
-      "instruction set of the network: baseline, avx2 or avx512 (default: the widest here)");
+      "instruction set of the network: baseline, avx2, avx512, amx, or for tests amx-emulated (default: the "
+      "widest here)");
 }
 
 }  // namespace penumbra::apps

@@ -14,6 +14,8 @@
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
 #include "nn/base/text.h"
+#include "nn/models/layer_precision.h"
+#include "nn/simd/amx_permission.h"
 #include "nn/simd/kernel_table.h"
 #include "nn/simd/low_precision.h"
 #include "weights_tools/load_weights.h"
@@ -81,12 +83,20 @@ void print_table(const nn::StateDict& state, const char* format) {
 void show_cpu(bool json) {
   nlohmann::ordered_json isas = nlohmann::ordered_json::object(),
                          precisions = nlohmann::ordered_json::object();
-  for (const nn::Isa isa : {nn::Isa::baseline, nn::Isa::avx2, nn::Isa::avx512}) {
+  for (const nn::Isa isa :
+       {nn::Isa::baseline, nn::Isa::avx2, nn::Isa::avx512, nn::Isa::amx, nn::Isa::amx_emulated}) {
     isas[nn::to_string(isa)] = nn::is_supported(isa);
   }
   for (const nn::Precision precision : {nn::Precision::f32, nn::Precision::bf16, nn::Precision::int8}) {
     precisions[nn::to_string(precision)] = nn::is_supported(precision);
   }
+  const std::string amx = describe(nn::amx_state());
+  const bool has_bf16 = nn::is_supported(nn::Precision::bf16);
+  const std::string bf16 = has_bf16 ? to_string(nn::bf16_arithmetic()) : "none";
+  // What `--precision auto` takes for weights without input ranges.
+  nn::LayerPrecision automatic;
+  automatic.automatic = true;
+  const std::string choice = to_string(automatic.resolved({}).precision);
   const nn::TileKernels& tile = *nn::kernels().tile;
   const std::string chosen = nn::to_string(nn::current_isa());
   if (json) {
@@ -95,7 +105,10 @@ void show_cpu(bool json) {
                                          {"tile_channels", tile.channels},
                                          {"threads", thread_count()},
                                          {"supported_isas", isas},
-                                         {"supported_precisions", precisions}};
+                                         {"supported_precisions", precisions},
+                                         {"amx", amx},
+                                         {"bf16", bf16},
+                                         {"precision_auto", choice}};
     fmt::print("{}\n", info.dump(2));
     return;
   }
@@ -107,6 +120,9 @@ void show_cpu(bool json) {
     for (const auto& [name, supported] : table.items()) fmt::print(" {} {}", name, supported ? "yes" : "no");
     fmt::print("\n");
   }
+  fmt::print("tile unit (AMX): {}\n", amx);
+  if (has_bf16) fmt::print("bf16 multiplies by {}\n", bf16);
+  fmt::print("--precision auto takes {} (calibrated weights: int8 where there is int8)\n", choice);
 }
 
 void show_info(const InfoOptions& options) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <utility>
 
 #include "apps/common/finite_number.h"
 
@@ -22,6 +23,23 @@ void add_mask_rcnn_options(CLI::App* command, nn::MaskRcnnConfig& mask_rcnn) {
               "Mask R-CNN: most regions that reach the heads; fewer are faster [the weights' own, or {}]",
               mask_rcnn.rpn.proposals))
       ->check(CLI::Range(1, 10000));
+}
+
+void add_precision_option(CLI::App* command, std::function<void(const nn::LayerPrecision&)> set) {
+  constexpr const char* kAutomatic = "auto";
+  command
+      ->add_option_function<std::string>(
+          "--precision",
+          [set = std::move(set)](const std::string& name) {
+            nn::LayerPrecision precision;
+            precision.automatic = name == kAutomatic;
+            if (!precision.automatic) precision.precision = nn::precision_from_name(name);
+            set(precision);
+          },
+          "numbers that are multiplied: f32, bf16, int8 (for weights that `calibrate` has seen), or auto: "
+          "the "
+          "fastest of them here [f32]")
+      ->check(CLI::IsMember({"f32", "bf16", "int8", kAutomatic}));
 }
 
 void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
@@ -52,14 +70,9 @@ void add_network_options(CLI::App* command, nn::NetworkConfig& network) {
           fmt::format("most instances an image [Mask R-CNN {}, YOLOv5 {}]", mask_rcnn.box_head.max_detections,
                       yolov5.max_detections))
       ->check(CLI::Range(1, 1000));
-  command
-      ->add_option_function<std::string>(
-          "--precision",
-          [&](const std::string& name) {
-            mask_rcnn.precision.precision = yolov5.precision.precision = nn::precision_from_name(name);
-          },
-          "numbers that are multiplied: f32, bf16 or int8 (for weights that `calibrate` has seen) [f32]")
-      ->check(CLI::IsMember({"f32", "bf16", "int8"}));
+  add_precision_option(command, [&](const nn::LayerPrecision& precision) {
+    mask_rcnn.precision = yolov5.precision = precision;
+  });
   command->add_flag("!--no-attention", mask_rcnn.attention,
                     "leave the weights' attention out: the baseline network");
 }

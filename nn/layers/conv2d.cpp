@@ -1,14 +1,27 @@
 #include "nn/layers/conv2d.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
 #include "nn/layers/direct_convolution.h"
+#include "nn/layers/narrow_maps.h"
+#include "nn/layers/tile_convolution.h"
+#include "nn/simd/tile_unit.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
+
+namespace {
+
+float rounded_to_bf16(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return std::bit_cast<float>((bits + 0x7FFFU + ((bits >> 16) & 1U)) & 0xFFFF0000U);
+}
+
+}  // namespace
 
 Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptions options, int input_block)
     : options_(options), input_block_(input_block) {
@@ -26,29 +39,46 @@ Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptio
   }
   const int group_inputs = static_cast<int>(weight.extent(1)), group_outputs = outputs_ / groups;
   input_channels_ = group_inputs * groups;
+  if (tile_unit() != nullptr && groups > 1) options_.format.precision = Precision::f32;
+  // 8 bits would be too few for an image.
+  const bool image = input_block == kImageBlock;
+  if (image && options_.format.precision == Precision::int8) options_.format.precision = Precision::bf16;
+  if (image && input_channels_ > kImageBlock) options_.format.precision = Precision::f32;
+  on_tiles_ = tile_unit() != nullptr && options_.format.precision != Precision::f32;
+  if (image && !on_tiles_) options_.format.precision = Precision::f32;
   if (groups > 1 && (group_inputs % kBlock != 0 || group_outputs % kBlock != 0)) {
     narrow_ = NarrowGroups(weight, bias, groups);
     return;
   }
-  if (input_block == kImageBlock) {
+  if (image) {
     pack_image_weights(weight, bias);
     return;
   }
   const bool three_by_three =
       kernel_height_ == 3 && kernel_width_ == 3 && options.stride == 1 && options.dilation == 1;
-  if (options.winograd && three_by_three && groups == 1 && winograd_pays(input_channels_, outputs_)) {
+  if (options.winograd && !on_tiles_ && three_by_three && groups == 1 &&
+      winograd_pays(input_channels_, outputs_)) {
     // 8 bits would be too few for the sums that Winograd multiplies.
-    const bool rough = options.format.precision != Precision::f32;
+    const bool rough = options.format.precision != Precision::f32 && bf16_arithmetic() != Bf16Arithmetic::f32;
     winograd_ = Winograd(weight, bias, rough ? Precision::bf16 : Precision::f32);
     return;
   }
   pack_weights(weight, bias);
 }
 
+int Conv2d::tap_depth() const {
+  if (on_tiles_) return line_channels(options_.format.precision);
+  return input_block_ == kImageBlock ? kernel_width_ * kImageBlock : kBlock;
+}
+
 // The pixels of a kernel row lie side by side: one tap a row, of K_w * 4 channels.
 void Conv2d::pack_image_weights(const Tensor& weight, const std::vector<float>& bias) {
   if (options_.dilation != 1) {
     throw InputError("conv2d over images", "dilation 1", fmt::format("{}", options_.dilation));
+  }
+  if (on_tiles_) {
+    pack_split_weights(weight, bias);
+    return;
   }
   const int taps = ceil_div(input_channels_, kImageBlock) * kernel_height_,
             depth = kernel_width_ * kImageBlock;
@@ -65,14 +95,46 @@ void Conv2d::pack_image_weights(const Tensor& weight, const std::vector<float>& 
   groups_.emplace_back(outputs_, taps, depth, source, bias);
 }
 
+// Image and weights are sums of two bf16: x w = x_h w_h + x_r w_h + x_h w_r, and what is left out is below
+// the 16th bit. A kernel row fills some lines, whose last weights are 0; each line is read twice, for both
+// parts of the weights.
+void Conv2d::pack_split_weights(const Tensor& weight, const std::vector<float>& bias) {
+  const int depth = tap_depth(), lines = split_row_lines(), taps = kernel_height_ * lines * 2;
+  const std::ptrdiff_t positions = std::ptrdiff_t{kernel_height_} * kernel_width_;
+  const std::ptrdiff_t count = input_channels_ * positions;  // of an output channel
+  // Each output channel's weights, and behind them what bf16 leaves of them.
+  std::vector<float> parts(2 * weight.values.size());
+  for (std::size_t i = 0; i < weight.values.size(); ++i) {
+    const std::ptrdiff_t output = static_cast<std::ptrdiff_t>(i) / count;
+    float* const part = parts.data() + static_cast<std::ptrdiff_t>(i) + output * count;
+    part[0] = weight.values[i];
+    part[count] = weight.values[i] - rounded_to_bf16(weight.values[i]);
+  }
+  WeightSource source{parts.data(), 2 * count, {}};
+  for (int tap = 0; tap < taps; ++tap) {
+    for (int c = 0; c < depth; ++c) {
+      const int row = tap / (2 * lines), part = tap % 2, lane = tap / 2 % lines * depth + c;
+      const int v = lane / kSplitImageBlock, channel = lane % kImageBlock;
+      const bool remainder = lane % kSplitImageBlock >= kImageBlock;
+      const bool none = channel >= input_channels_ || v >= kernel_width_ || (part == 1 && remainder);
+      source.offsets.push_back(none ? WeightSource::kNone
+                                    : part * count + channel * positions + row * kernel_width_ + v);
+    }
+  }
+  groups_.emplace_back(outputs_, taps, depth, source, bias, options_.format);
+}
+
+int Conv2d::split_row_lines() const { return ceil_div(kernel_width_ * kSplitImageBlock, tap_depth()); }
+
 void Conv2d::pack_weights(const Tensor& weight, const std::vector<float>& bias) {
   const int group_outputs = outputs_ / options_.groups, group_inputs = input_channels_ / options_.groups;
-  const int positions = kernel_height_ * kernel_width_, taps = ceil_div(group_inputs, kBlock) * positions;
+  const int positions = kernel_height_ * kernel_width_, depth = tap_depth();
+  const int taps = ceil_div(group_inputs, depth) * positions;
   WeightSource source{nullptr, std::ptrdiff_t{group_inputs} * positions, {}};
-  source.offsets.reserve(static_cast<std::size_t>(taps) * kBlock);
+  source.offsets.reserve(static_cast<std::size_t>(taps) * static_cast<std::size_t>(depth));
   for (int tap = 0; tap < taps; ++tap) {
-    for (int c = 0; c < kBlock; ++c) {
-      const int channel = tap / positions * kBlock + c;
+    for (int c = 0; c < depth; ++c) {
+      const int channel = tap / positions * depth + c;
       source.offsets.push_back(channel < group_inputs ? std::ptrdiff_t{channel} * positions + tap % positions
                                                       : WeightSource::kNone);
     }
@@ -81,7 +143,7 @@ void Conv2d::pack_weights(const Tensor& weight, const std::vector<float>& bias) 
     const int first = g * group_outputs;
     source.values = weight.values.data() + first * source.output_stride;
     groups_.emplace_back(
-        group_outputs, taps, kBlock, source,
+        group_outputs, taps, depth, source,
         bias.empty() ? bias : std::vector<float>(bias.begin() + first, bias.begin() + first + group_outputs),
         options_.format);
   }
@@ -105,19 +167,32 @@ ArenaBuffer Conv2d::prepare(Arena& arena) const {
 }
 
 FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_border,
-                              const FeatureMap* residual) const {
-  return (*this)(input, arena, prepare(arena), output_border, residual);
+                              const FeatureMap* residual, const Numbers& output_numbers) const {
+  return (*this)(input, arena, prepare(arena), output_border, residual, output_numbers);
 }
 
 FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, const ArenaBuffer& prepared,
-                              int output_border, const FeatureMap* residual) const {
-  if (input.channels() != input_channels_ || input.block() != input_block_) {
+                              int output_border, const FeatureMap* residual,
+                              const Numbers& output_numbers) const {
+  const bool image = input_block_ == kImageBlock;
+  const bool split = on_tiles_ && image && input.block() == kSplitImageBlock;
+  const bool blocks_fit =
+      split || (on_tiles_ && !image ? input.block() != kImageBlock : input.block() == input_block_);
+  if (input.channels() != input_channels_ || !blocks_fit) {
     throw InputError("conv2d",
                      fmt::format("{} input channels in blocks of {}", input_channels_, input_block_),
                      fmt::format("{} in blocks of {}", input.channels(), input.block()));
   }
   if (input.border() < options_.padding) {
-    return (*this)(with_border(input, arena, options_.padding), arena, prepared, output_border, residual);
+    return (*this)(with_border(input, arena, options_.padding), arena, prepared, output_border, residual,
+                   output_numbers);
+  }
+  if (on_tiles_ && image && !split) {
+    return (*this)(split_image(input, arena), arena, prepared, output_border, residual, output_numbers);
+  }
+  if (on_tiles_ && !image && input.numbers() != input_numbers()) {
+    return (*this)(in_numbers(input, input_numbers(), arena), arena, prepared, output_border, residual,
+                   output_numbers);
   }
   const Geometry out = output_size(input.height(), input.width());
   if (out.height < 1 || out.width < 1) {
@@ -127,7 +202,8 @@ FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, const Arena
   }
 
   observe(input, options_.format);
-  FeatureMap output(arena, input.batch(), outputs_, out.height, out.width, output_border);
+  FeatureMap output(arena, input.batch(), outputs_, out.height, out.width, output_border,
+                    on_tiles_ ? output_numbers : Numbers{});
   if (!winograd_.empty()) {
     winograd_(input, options_.padding, options_.activation, residual, output, arena, prepared);
     if (options_.activation != Activation::relu) activate(output, options_.activation, options_.slope);
@@ -141,15 +217,35 @@ FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, const Arena
 
 void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output,
                     Arena& arena) const {
-  const bool row_taps = input_block_ == kImageBlock;  // a tap holds a whole kernel row
+  const bool image = input_block_ == kImageBlock;  // a tap holds a whole kernel row, or a line of it, twice
+  const int columns = !image ? kernel_width_ : on_tiles_ ? 2 * split_row_lines() : 1;
+  const auto column_offset = [&](int v) -> std::ptrdiff_t {
+    return image ? v / 2 * std::ptrdiff_t{tap_depth()}
+                 : std::ptrdiff_t{v} * options_.dilation * input.block();
+  };
+  const int unit = on_tiles_ ? element_size(options_.format.precision) : 1;  // bytes there
   ArenaVector<std::ptrdiff_t> taps(arena, static_cast<std::size_t>(groups_.front().taps()));
   for (int b = 0; b < input.blocks() / options_.groups; ++b) {
     for (int u = 0; u < kernel_height_; ++u) {
-      for (int v = 0; v < (row_taps ? 1 : kernel_width_); ++v) {
-        taps.push_back(b * input.block_stride() + u * options_.dilation * input.row_stride() +
-                       static_cast<std::ptrdiff_t>(v) * options_.dilation * input.block());
+      for (int v = 0; v < columns; ++v) {
+        taps.push_back(unit * (b * input.block_stride() + u * options_.dilation * input.row_stride() +
+                               column_offset(v)));
       }
     }
+  }
+  if (on_tiles_) {
+    TileConvolution convolution;
+    convolution.weights = &groups_.front();
+    convolution.taps = taps.data();
+    convolution.stride = options_.stride;
+    convolution.padding = options_.padding;
+    convolution.activation = options_.activation;
+    convolution.slope = options_.slope;
+    convolution.input = &input;
+    convolution.residual = residual;
+    convolution.output = &output;
+    convolve_on_tiles(convolution, arena);
+    return;
   }
   const bool as_it_is = groups_.front().format().precision == Precision::f32;
   const ArenaBuffer converted = as_it_is ? ArenaBuffer() : convert(input, groups_.front().format(), arena);

@@ -11,6 +11,9 @@
 // Method: x's border serves as the zero padding and so must be at least p wide (a copy is made where it is
 // not); then one of
 //   winograd.h            3 x 3 of stride 1, where it pays
+//   tile_convolution.h    everything in bf16 or 8 bits, on a processor with a tile unit: the maps that it
+//   reads
+//                         and writes may be narrow, too (others are converted)
 //   direct_convolution.h  everything else, on the register tile; where the output is one pixel an image
 //   (fully
 //                         connected layers), the images take the place of the pixels
@@ -38,7 +41,8 @@ struct Conv2dOptions {
   Activation activation = Activation::none;
   float slope = kDefaultSlope;  // of leaky_relu
   bool winograd = true;         // false: never, as benchmarks and tests ask
-  NumberFormat format;          // of the products; see winograd.h for what it makes of int8
+  NumberFormat format;          // of the products; see winograd.h for what it makes of int8.
+                                // Groups are computed in f32 on a tile unit
 };
 
 class Conv2d {
@@ -51,17 +55,24 @@ class Conv2d {
          int input_block = kBlock);
 
   // `residual` (null for none) has the output's shape. The output gets a zero border of `output_border`
-  // pixels.
+  // pixels, and is stored in `output_numbers`: on a tile unit any, else f32.
   FeatureMap operator()(const FeatureMap& input, Arena& arena, int output_border = 0,
-                        const FeatureMap* residual = nullptr) const;
+                        const FeatureMap* residual = nullptr, const Numbers& output_numbers = {}) const;
   // What a call computes of the weights alone (winograd.h), for several calls: `prepared` of the call below.
   ArenaBuffer prepare(Arena& arena) const;
   FeatureMap operator()(const FeatureMap& input, Arena& arena, const ArenaBuffer& prepared,
-                        int output_border = 0, const FeatureMap* residual = nullptr) const;
+                        int output_border = 0, const FeatureMap* residual = nullptr,
+                        const Numbers& output_numbers = {}) const;
+
+  // In what the map that it reads is best stored: f32 but on a tile unit, and of images there, too.
+  Numbers input_numbers() const {
+    return on_tiles_ && input_block_ == kBlock ? numbers_of(options_.format) : Numbers{};
+  }
 
   int output_channels() const { return outputs_; }
-  // How it is computed: "winograd", "direct" or "narrow" groups.
+  // How it is computed: on "tiles", by "winograd", "direct" or in "narrow" groups.
   const char* algorithm() const {
+    if (on_tiles_) return "tiles";
     if (!winograd_.empty()) return "winograd";
     return groups_.empty() ? "narrow" : "direct";
   }
@@ -73,13 +84,17 @@ class Conv2d {
     int height, width;  // of the output
   };
   Geometry output_size(int height, int width) const;
+  int tap_depth() const;        // channels of the input that a tap has
+  int split_row_lines() const;  // that a kernel row of a split image fills
   void pack_image_weights(const Tensor& weight, const std::vector<float>& bias);
+  void pack_split_weights(const Tensor& weight, const std::vector<float>& bias);
   void pack_weights(const Tensor& weight, const std::vector<float>& bias);
   void direct(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output, Arena& arena) const;
   void over_rows(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output) const;
 
   Conv2dOptions options_;
   int input_channels_ = 0, outputs_ = 0, kernel_height_ = 0, kernel_width_ = 0, input_block_ = kBlock;
+  bool on_tiles_ = false;
   // One of these holds the weights.
   Winograd winograd_;
   std::vector<PackedWeights> groups_;  // one a group

@@ -6,6 +6,9 @@
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
+#include "nn/layers/narrow_maps.h"
+#include "nn/layers/tile_convolution.h"
+#include "nn/simd/tile_unit.h"
 
 namespace penumbra::nn {
 
@@ -48,7 +51,9 @@ ConvTranspose2d::ConvTranspose2d(const Tensor& weight, const std::vector<float>&
                      fmt::format("{}, {}, {}, {}", options.stride, options.dilation, options.padding,
                                  options.output_padding));
   }
-  const int blocks = ceil_div(input_channels_, kBlock);
+  on_tiles_ = tile_unit() != nullptr && options.format.precision != Precision::f32;
+  const int depth = on_tiles_ ? line_channels(options.format.precision) : kBlock;
+  const int blocks = ceil_div(input_channels_, depth);
   for (int row = 0; row < options.stride; ++row) {
     for (int column = 0; column < options.stride; ++column) {
       Phase phase{row, column, {}, {}};
@@ -64,21 +69,25 @@ ConvTranspose2d::ConvTranspose2d(const Tensor& weight, const std::vector<float>&
       WeightSource source{weight.values.data(), kernel, {}};
       for (int tap = 0; tap < blocks * count; ++tap) {
         const Offset& position = positions[static_cast<std::size_t>(tap % count)];
-        for (int c = 0; c < kBlock; ++c) {
-          const int channel = tap / count * kBlock + c;
+        for (int c = 0; c < depth; ++c) {
+          const int channel = tap / count * depth + c;
           source.offsets.push_back(channel < input_channels_
                                        ? channel * outputs_ * kernel + position.y * kernel_width_ + position.x
                                        : WeightSource::kNone);
         }
       }
-      phase.weights = PackedWeights(outputs_, blocks * count, kBlock, source, bias, options.format);
+      phase.weights = PackedWeights(outputs_, blocks * count, depth, source, bias, options.format);
       phases_.push_back(std::move(phase));
     }
   }
 }
 
-FeatureMap ConvTranspose2d::operator()(const FeatureMap& input, Arena& arena, int output_border) const {
-  if (input.channels() != input_channels_ || input.block() != kBlock) {
+FeatureMap ConvTranspose2d::operator()(const FeatureMap& input, Arena& arena, int output_border,
+                                       const Numbers& output_numbers) const {
+  if (on_tiles_ && input.block() != kImageBlock && input.numbers() != input_numbers()) {
+    return (*this)(in_numbers(input, input_numbers(), arena), arena, output_border, output_numbers);
+  }
+  if (input.channels() != input_channels_ || input.block() != line_channels(input_numbers().precision)) {
     throw InputError("conv_transpose2d", fmt::format("{} input channels", input_channels_),
                      fmt::format("{}", input.channels()));
   }
@@ -102,16 +111,20 @@ FeatureMap ConvTranspose2d::operator()(const FeatureMap& input, Arena& arena, in
                          (width - 1) / options_.stride + offset.x - input.width() + 1});
     }
   }
-  if (input.border() < border) return (*this)(with_border(input, arena, border), arena, output_border);
+  if (input.border() < border) {
+    return (*this)(with_border(input, arena, border), arena, output_border, output_numbers);
+  }
 
-  FeatureMap output(arena, input.batch(), outputs_, height, width, output_border);
+  FeatureMap output(arena, input.batch(), outputs_, height, width, output_border,
+                    on_tiles_ ? output_numbers : Numbers{});
   const ArenaBuffer tap_memory = arena.allocate(most_taps * 2);
   auto* taps = reinterpret_cast<std::ptrdiff_t*>(tap_memory.data());
   observe(input, options_.format);
-  const bool as_it_is = options_.format.precision == Precision::f32;
+  const bool as_it_is = on_tiles_ || options_.format.precision == Precision::f32;
   const ArenaBuffer converted = as_it_is ? ArenaBuffer() : convert(input, options_.format, arena);
   const auto* values = reinterpret_cast<const std::byte*>(as_it_is ? input.values() : converted.data());
-  for (const Phase& phase : phases_) run_phase(phase, input, values, taps, output);
+  for (const Phase& phase : phases_) run_phase(phase, input, values, taps, output, arena);
+  if (on_tiles_) return output;
   if (options_.activation != Activation::none && options_.activation != Activation::relu) {
     activate(output, options_.activation, options_.slope);
   }
@@ -119,7 +132,7 @@ FeatureMap ConvTranspose2d::operator()(const FeatureMap& input, Arena& arena, in
 }
 
 void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, const std::byte* values,
-                                std::ptrdiff_t* taps, FeatureMap& output) const {
+                                std::ptrdiff_t* taps, FeatureMap& output, Arena& arena) const {
   const int bytes = element_size(options_.format.precision);
   const int stride = options_.stride;
   const int rows = ceil_div(output.height() - phase.row, stride);
@@ -127,9 +140,23 @@ void ConvTranspose2d::run_phase(const Phase& phase, const FeatureMap& input, con
   std::ptrdiff_t* next = taps;
   for (int b = 0; b < input.blocks(); ++b) {
     for (const Offset& offset : phase.offsets) {
-      *next++ = b * input.block_stride() + offset.y * input.row_stride() +
-                static_cast<std::ptrdiff_t>(offset.x) * input.block();
+      *next++ = (on_tiles_ ? bytes : 1) * (b * input.block_stride() + offset.y * input.row_stride() +
+                                           static_cast<std::ptrdiff_t>(offset.x) * input.block());
     }
+  }
+  if (on_tiles_) {
+    TileConvolution convolution;
+    convolution.weights = &phase.weights;
+    convolution.taps = taps;
+    convolution.step = stride;
+    convolution.row = phase.row;
+    convolution.column = phase.column;
+    convolution.activation = options_.activation;
+    convolution.slope = options_.slope;
+    convolution.input = &input;
+    convolution.output = &output;
+    convolve_on_tiles(convolution, arena);
+    return;
   }
   const int step = phase.weights.tile_pixels(), segments = ceil_div(columns, step);
   parallel_for({input.images(), phase.weights.tiles(), rows}, 1, [&](int n, int t, int y) {

@@ -42,7 +42,12 @@ class ConvTranspose2d {
   // or an option is out of range.
   ConvTranspose2d(const Tensor& weight, const std::vector<float>& bias, ConvTranspose2dOptions options);
 
-  FeatureMap operator()(const FeatureMap& input, Arena& arena, int output_border = 0) const;
+  // The output is stored in `output_numbers`: on a tile unit any, else f32.
+  FeatureMap operator()(const FeatureMap& input, Arena& arena, int output_border = 0,
+                        const Numbers& output_numbers = {}) const;
+
+  // In what the map that it reads is best stored: f32 but on a tile unit.
+  Numbers input_numbers() const { return on_tiles_ ? numbers_of(options_.format) : Numbers{}; }
 
  private:
   struct Offset {
@@ -57,10 +62,11 @@ class ConvTranspose2d {
 
   // `values` are the input's in the layer's precision.
   void run_phase(const Phase& phase, const FeatureMap& input, const std::byte* values, std::ptrdiff_t* taps,
-                 FeatureMap& output) const;
+                 FeatureMap& output, Arena& arena) const;
 
   ConvTranspose2dOptions options_;
   int input_channels_ = 0, outputs_ = 0, kernel_height_ = 0, kernel_width_ = 0;
+  bool on_tiles_ = false;
   std::vector<Phase> phases_;
 };
 

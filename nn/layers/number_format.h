@@ -27,6 +27,9 @@ struct NumberFormat {
   InputRange* observed = nullptr;
 };
 
+// How a map is stored that such a layer reads without converting it.
+inline Numbers numbers_of(const NumberFormat& format) { return {format.precision, format.input}; }
+
 // 0..255 over the range, so that 0 is a whole number.
 Quantisation quantisation(const InputRange& range);
 

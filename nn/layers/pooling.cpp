@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
+#include "nn/simd/tile_unit.h"
 
 namespace penumbra::nn {
 
@@ -29,6 +31,13 @@ struct Maximum {
     }
     std::memcpy(out, best, sizeof(best));
   }
+  static void reduce_narrow(const FeatureMap& input, int n, int b, const Window& rows, const Window& columns,
+                            std::byte* out) {
+    const Precision precision = input.numbers().precision;
+    tile_unit()->max_line({input.line(n, b, rows.first, columns.first),
+                           input.row_stride() * element_size(precision), rows.end - rows.first,
+                           columns.end - columns.first, precision, out});
+  }
 };
 
 struct Mean {
@@ -46,18 +55,26 @@ struct Mean {
     const auto divisor = static_cast<float>(rows.divisor) * static_cast<float>(columns.divisor);
     for (int c = 0; c < kBlock; ++c) out[c] = sum[c] / divisor;
   }
+  static void reduce_narrow(const FeatureMap&, int, int, const Window&, const Window&, std::byte*) {}
 };
 
 // One Reduction a pixel of the output; rows(i) and columns(j) give its window.
 template <class Reduction, class Rows, class Columns>
 FeatureMap pool(const FeatureMap& input, int height, int width, Arena& arena, int output_border, Rows rows,
                 Columns columns) {
-  FeatureMap output(arena, input.batch(), input.channels(), height, width, output_border);
+  const bool narrow = input.numbers().precision != Precision::f32;
+  if (narrow && std::is_same_v<Reduction, Mean>)
+    throw InputError("mean over pixels", "a map in f32", "another");
+  FeatureMap output(arena, input.batch(), input.channels(), height, width, output_border, input.numbers());
   const std::int64_t window_values = std::int64_t{ceil_div(input.height(), height)} * input.row_stride();
   parallel_for({output.images(), output.blocks(), height}, grain_of(window_values), [&](int n, int b, int i) {
     const Window window = rows(i);
     for (int j = 0; j < width; ++j) {
-      Reduction::reduce(input, n, b, window, columns(j), output.pixel(n, b, i, j));
+      if (narrow) {
+        Reduction::reduce_narrow(input, n, b, window, columns(j), output.line(n, b, i, j));
+      } else {
+        Reduction::reduce(input, n, b, window, columns(j), output.pixel(n, b, i, j));
+      }
     }
   });
   return output;

@@ -15,6 +15,7 @@
 // Cost: reads x about (K / s)^2 times, once for the adaptive and global ones; writes y once; one comparison
 // or addition a value read. Means are summed row by row, which keeps the rounding error of a large map small.
 // A NaN in the window of a maximum may or may not survive.
+// Maxima keep the numbers of a narrow map; means are of f32 alone (else InputError).
 // Source: torch.nn.functional.max_pool2d, avg_pool2d, adaptive_avg_pool2d; reference/pooling.cpp is the
 // oracle.
 #pragma once

@@ -8,6 +8,7 @@
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
 #include "nn/simd/kernel_table.h"
+#include "nn/simd/tile_unit.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
@@ -48,6 +49,28 @@ void sample_bins(float low, float high, const RoiAlignOptions& options, int map_
       *next++ = sample_axis(position, map_extent);
     }
   }
+}
+
+// The same where the map or the output is narrow.
+void align_narrow_region(const FeatureMap& map, const Axis& rows, const Axis& columns, int size, int region,
+                         FeatureMap& output) {
+  const std::ptrdiff_t map_bytes = element_size(map.numbers().precision);
+  const std::ptrdiff_t output_bytes = element_size(output.numbers().precision);
+  RoiAlignLinesArguments a;
+  a.map = map.line(0, 0, 0, 0);
+  a.map_layout = {kLineBytes, map.block_stride() * map_bytes, map.numbers()};
+  a.map_row_stride = map.row_stride() * map_bytes;
+  a.rows = rows.samples;
+  a.columns = columns.samples;
+  a.row_sampling = rows.sampling;
+  a.column_sampling = columns.sampling;
+  a.size = size;
+  // Also the channels beyond the last that only one of them stores.
+  a.channels = std::min(map.blocks() * map.block(), output.blocks() * output.block());
+  a.output = output.line(region, 0, 0, 0);
+  a.output_layout = {kLineBytes, output.block_stride() * output_bytes, output.numbers()};
+  a.output_row_stride = output.row_stride() * output_bytes;
+  tile_unit()->roi_align_lines(a);
 }
 
 void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, int size, int region,
@@ -94,14 +117,14 @@ ArenaVector<Reading> reading_order(std::span<const Box> regions, int capacity, A
 // level_of(box) is the level that a region is read from.
 template <class LevelOf>
 FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions options, Arena& arena,
-                 int output_border, int capacity, LevelOf level_of) {
+                 int output_border, int capacity, const Numbers& numbers, LevelOf level_of) {
   if (options.size < 1 || options.sampling < 0) {
     throw InputError("roi_align", "size >= 1 and sampling >= 0",
                      fmt::format("{} and {}", options.size, options.sampling));
   }
   const int count = static_cast<int>(regions.size());
   FeatureMap output(arena, {count, std::max(count, capacity)}, channels, options.size, options.size,
-                    output_border);
+                    output_border, numbers);
   const int most_sampling = options.sampling == 0 ? kMaxAdaptiveSampling : options.sampling;
   const auto axis_samples = static_cast<std::size_t>(options.size) * static_cast<std::size_t>(most_sampling);
   const ArenaVector<Reading> order = reading_order(regions, output.batch().capacity, arena, level_of);
@@ -113,7 +136,10 @@ FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions opt
     const Box& box = regions[r];
     sample_bins(box.y1 * level.scale, box.y2 * level.scale, options, level.map->height(), rows);
     sample_bins(box.x1 * level.scale, box.x2 * level.scale, options, level.map->width(), columns);
-    align_region(*level.map, rows, columns, options.size, static_cast<int>(r), output);
+    const bool narrow =
+        level.map->numbers().precision != Precision::f32 || numbers.precision != Precision::f32;
+    const auto align = narrow ? align_narrow_region : align_region;
+    align(*level.map, rows, columns, options.size, static_cast<int>(r), output);
   });
   return output;
 }
@@ -129,16 +155,17 @@ int roi_level(const Box& box, int levels) {
 
 FeatureMap roi_align(const FeatureMap& map, float scale, std::span<const Box> regions,
                      RoiAlignOptions options, Arena& arena, int output_border, int capacity) {
-  return align(map.channels(), regions, options, arena, output_border, capacity, [&](const Box&) {
+  return align(map.channels(), regions, options, arena, output_border, capacity, {}, [&](const Box&) {
     return PyramidLevel{&map, scale};
   });
 }
 
 FeatureMap multi_scale_roi_align(std::span<const PyramidLevel> levels, std::span<const Box> regions,
-                                 RoiAlignOptions options, Arena& arena, int output_border, int capacity) {
+                                 RoiAlignOptions options, Arena& arena, int output_border, int capacity,
+                                 const Numbers& output_numbers) {
   if (levels.empty()) throw InputError("roi_align", "at least one level", "none");
   return align(levels.front().map->channels(), regions, options, arena, output_border, capacity,
-               [&](const Box& box) {
+               output_numbers, [&](const Box& box) {
                  return levels[static_cast<std::size_t>(roi_level(box, static_cast<int>(levels.size())))];
                });
 }

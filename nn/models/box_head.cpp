@@ -31,9 +31,9 @@ BoxHead::BoxHead(WeightReader& weights, const std::string& prefix, int channels,
   const int size = config.roi_align.size;
   const auto layer = [&](const std::string& name, int outputs, int inputs, int extent,
                          Activation activation) {
-    // Logits and deltas stay f32.
+    // The others are logits and deltas.
     const NumberFormat format =
-        activation == Activation::relu ? weights.format(prefix + name) : NumberFormat();
+        activation == Activation::relu ? weights.format(prefix + name) : weights.uncalibrated_format();
     return linear(weights.tensor(prefix + name + ".weight", {outputs, inputs * extent * extent}),
                   weights.vector(prefix + name + ".bias", outputs), inputs, extent, extent, activation,
                   format);
@@ -72,8 +72,12 @@ ArenaVector<ScoredBox> BoxHead::operator()(std::span<const PyramidLevel> pyramid
 
 void BoxHead::classify(std::span<const PyramidLevel> pyramid, std::span<const Box> proposals, int capacity,
                        const ImageExtent& image, Candidates& candidates, Arena& arena) const {
-  FeatureMap features = multi_scale_roi_align(pyramid, proposals, config_.roi_align, arena, 0, capacity);
-  for (const Conv2d& layer : hidden_) features = layer(features, arena);
+  FeatureMap features = multi_scale_roi_align(pyramid, proposals, config_.roi_align, arena, 0, capacity,
+                                              hidden_.front().input_numbers());
+  for (std::size_t k = 0; k < hidden_.size(); ++k) {
+    const Conv2d& next = k + 1 < hidden_.size() ? hidden_[k + 1] : class_logits_;
+    features = hidden_[k](features, arena, 0, nullptr, next.input_numbers());
+  }
   const FeatureMap logits = class_logits_(features, arena), deltas = box_deltas_(features, arena);
 
   ArenaVector<float> probabilities(arena, static_cast<std::size_t>(classes_));

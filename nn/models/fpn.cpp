@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "nn/base/error.h"
+#include "nn/layers/narrow_maps.h"
 #include "nn/layers/pooling.h"
 #include "nn/layers/upsample.h"
 
@@ -65,17 +66,29 @@ double FeaturePyramid::multiply_adds(int height, int width) const {
 }
 
 std::array<FeatureMap, kPyramidLevels> FeaturePyramid::operator()(std::array<FeatureMap, 4> stages,
-                                                                  Arena& arena) const {
+                                                                  Arena& arena,
+                                                                  const Numbers& output_numbers) const {
   std::array<FeatureMap, kPyramidLevels> pyramid;
   FeatureMap top_down;  // T_{n+1}
   for (std::size_t k = levels_.size(); k-- > 0;) {
     const Level& level = levels_[k];
-    FeatureMap lateral = level.lateral(stages[k], arena, 1);
-    stages[k] = FeatureMap();  // gives its memory back
-    if (level.attention) level.attention->apply(lateral, arena);
-    if (k + 1 < levels_.size()) add_upsampled(top_down, lateral);
-    top_down = std::move(lateral);
-    pyramid[k] = level.output(top_down, arena, 1);
+    const bool top = k + 1 == levels_.size();
+    const Numbers numbers = level.attention ? Numbers{} : level.output.input_numbers();
+    if (numbers.precision == Precision::f32) {
+      FeatureMap lateral = level.lateral(stages[k], arena, 1);
+      stages[k] = FeatureMap();  // gives its memory back
+      if (level.attention) level.attention->apply(lateral, arena);
+      if (!top) add_upsampled(top_down, lateral);
+      top_down = std::move(lateral);
+    } else if (top) {
+      top_down = level.lateral(stages[k], arena, 1, nullptr, numbers);
+      stages[k] = FeatureMap();
+    } else {
+      const FeatureMap lateral = level.lateral(stages[k], arena, 0, nullptr, {Precision::bf16, {}});
+      stages[k] = FeatureMap();
+      top_down = sum_with_upsampled(lateral, top_down, numbers, arena, 1);
+    }
+    pyramid[k] = level.output(top_down, arena, 1, nullptr, output_numbers);
   }
   pyramid[4] = subsample(pyramid[3], 2, arena, 1);
   return pyramid;

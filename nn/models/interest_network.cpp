@@ -33,7 +33,7 @@ Conv2d convolution(WeightReader& weights, const std::string& name, int inputs, i
   options.stride = stride;
   options.padding = 1;
   options.activation = Activation::relu;
-  if (input_block == kBlock) options.format = weights.format(name);  // the stem stays f32
+  options.format = input_block == kBlock ? weights.format(name) : weights.uncalibrated_format();
   const Shape shape{outputs, inputs, 3, 3};
   if (weights.has(name + ".conv.bias")) {
     return {weights.tensor(name + ".conv.weight", shape), weights.vector(name + ".conv.bias", outputs),

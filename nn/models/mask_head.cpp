@@ -7,6 +7,7 @@
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
 #include "nn/layers/activations.h"
+#include "nn/layers/narrow_maps.h"
 
 namespace penumbra::nn {
 
@@ -65,11 +66,16 @@ void MaskHead::predict(std::span<const PyramidLevel> pyramid, std::span<const Sc
                        Arena& arena) const {
   ArenaVector<Box> regions(arena, static_cast<std::size_t>(capacity));
   for (const ScoredBox& detection : detections) regions.push_back(detection.box);
-  FeatureMap features = multi_scale_roi_align(pyramid, regions.span(), config_.roi_align, arena, 1, capacity);
+  const auto numbers = [&](std::size_t layer) {
+    return layer < convolutions_.size() ? convolutions_[layer].input_numbers() : upsample_.input_numbers();
+  };
+  FeatureMap features =
+      multi_scale_roi_align(pyramid, regions.span(), config_.roi_align, arena, 1, capacity, numbers(0));
   for (std::size_t i = 0; i < convolutions_.size(); ++i) {
-    features = convolutions_[i](features, arena, prepared[i], 1);
+    features = convolutions_[i](features, arena, prepared[i], 1, nullptr, numbers(i + 1));
   }
-  features = upsample_(features, arena);
+  const bool narrow = upsample_.input_numbers().precision != Precision::f32;
+  features = upsample_(features, arena, 0, {narrow ? Precision::bf16 : Precision::f32, {}});
 
   const int size = mask_size();
   const std::size_t start = probabilities.size();
@@ -81,6 +87,11 @@ void MaskHead::predict(std::span<const PyramidLevel> pyramid, std::span<const Sc
         logit_weight_.values.data() + label * static_cast<std::size_t>(logit_weight_.extent(1));
     float* out = probabilities.data() + start + d * static_cast<std::size_t>(size * size);
     for (int y = 0; y < size; ++y) {
+      if (narrow) {
+        dot_row(features, static_cast<int>(d), y, weight, out);
+        for (int x = 0; x < size; ++x, ++out) *out = sigmoid(*out + logit_bias_[label]);
+        continue;
+      }
       for (int x = 0; x < size; ++x) {
         float lanes[kBlock] = {};
         for (int b = 0; b < features.blocks(); ++b) {

@@ -80,6 +80,7 @@ MaskRcnn::MaskRcnn(const StateDict& state_dict, MaskRcnnConfig config)
     : config_(with_metadata(state_dict, config)) {
   const StateDict renamed = with_current_names(state_dict);
   WeightReader weights(renamed, config_.precision);
+  config_.precision = weights.precision();
   weights.expect_metadata("activations", "ReLU");
   weights.expect_metadata("image_mean", "0.485,0.456,0.406");
   weights.expect_metadata("image_std", "0.229,0.224,0.225");

@@ -57,13 +57,16 @@ class MaskRcnn : public InstanceSegmenter {
   bool has_background() const override { return true; }
   bool has_attention() const { return pyramid_.has_attention(); }
 
+  Precision precision() const { return config_.precision.precision; }
+
   // The parts that benchmarks time: the extent of an image at the network, P2..P6 of a transformed image
   // (given back when the stem has read it), and the multiply-adds of the convolutions on the way there.
   ImageExtent input_extent(const ByteView& image) const {
     return transformed_extent(image, config_.transform);
   }
   std::array<FeatureMap, kPyramidLevels> pyramid(FeatureMap input, Arena& arena) const {
-    return pyramid_(backbone_(std::move(input), arena), arena);
+    return pyramid_(backbone_(std::move(input), arena, pyramid_.input_numbers()), arena,
+                    rpn_.input_numbers());
   }
   double pyramid_multiply_adds(int height, int width) const {
     return backbone_.multiply_adds(height, width) + pyramid_.multiply_adds(height, width);

@@ -48,7 +48,7 @@ Conv2d folded_convolution(WeightReader& weights, const std::string& convolution,
   options.stride = shape.stride;
   options.padding = shape.kernel / 2;
   options.activation = activation;
-  if (input_block == kBlock) options.format = weights.format(convolution);  // the stem stays f32
+  options.format = input_block == kBlock ? weights.format(convolution) : weights.uncalibrated_format();
   return {folded.weight, folded.bias, options, input_block};
 }
 
@@ -141,25 +141,32 @@ double ResNet::multiply_adds(int height, int width) const {
   return sum;
 }
 
-FeatureMap ResNet::apply(const Block& block, const FeatureMap& x, Arena& arena) const {
+FeatureMap ResNet::apply(const Block& block, const FeatureMap& x, Arena& arena,
+                         const Numbers& output_numbers) const {
   // Maps that a 3 x 3 convolution reads get a border of 1.
-  FeatureMap inner = block.convolutions[0](x, arena, 1);
-  if (bottleneck_) inner = block.convolutions[1](inner, arena);
+  FeatureMap inner = block.convolutions[0](x, arena, 1, nullptr, block.convolutions[1].input_numbers());
+  if (bottleneck_) {
+    inner = block.convolutions[1](inner, arena, 0, nullptr, block.convolutions[2].input_numbers());
+  }
   FeatureMap shortcut;  // made late, when the block's widest maps are no more
-  if (block.downsample) shortcut = (*block.downsample)(x, arena);
-  return block.convolutions.back()(inner, arena, bottleneck_ ? 0 : 1, block.downsample ? &shortcut : &x);
+  if (block.downsample) shortcut = (*block.downsample)(x, arena, 0, nullptr, {Precision::bf16, {}});
+  return block.convolutions.back()(inner, arena, bottleneck_ ? 0 : 1, block.downsample ? &shortcut : &x,
+                                   output_numbers);
 }
 
-std::array<FeatureMap, 4> ResNet::operator()(FeatureMap image, Arena& arena) const {
-  FeatureMap x = stem_(image, arena);
+std::array<FeatureMap, 4> ResNet::operator()(FeatureMap image, Arena& arena, const Numbers& last) const {
+  FeatureMap x = stem_(image, arena, 0, nullptr, input_numbers(0, 0));
   image = FeatureMap();  // here and below: gives its memory back
   x = max_pool(x, {3, 2, 1}, arena, bottleneck_ ? 0 : 1);
   std::array<FeatureMap, 4> outputs;
   for (std::size_t stage = 0; stage < 4; ++stage) {
     const FeatureMap* input = stage == 0 ? &x : &outputs[stage - 1];
     FeatureMap y;
-    for (const Block& block : stages_[stage]) {
-      y = apply(block, *input, arena);
+    for (std::size_t b = 0; b < stages_[stage].size(); ++b) {
+      const bool end = b + 1 == stages_[stage].size();
+      const Numbers next =
+          end ? (stage < 3 ? input_numbers(stage + 1, 0) : last) : input_numbers(stage, b + 1);
+      y = apply(stages_[stage][b], *input, arena, next);
       input = &y;
     }
     outputs[stage] = std::move(y);

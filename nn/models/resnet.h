@@ -53,15 +53,20 @@ class ResNet {
   // Of the convolutions, for an image of height x width pixels, multiples of 32.
   double multiply_adds(int height, int width) const;
 
-  // `image` is [1, 3, H, W] in blocks of 4, and given back when the stem has read it; returns C2..C5.
-  std::array<FeatureMap, 4> operator()(FeatureMap image, Arena& arena) const;
+  // `image` is [1, 3, H, W] in blocks of 4, and given back when the stem has read it; returns C2..C5: on a
+  // tile unit as the next stage reads them, C5 in the numbers of `last`, else in f32.
+  std::array<FeatureMap, 4> operator()(FeatureMap image, Arena& arena, const Numbers& last = {}) const;
 
  private:
   struct Block {
     std::vector<Conv2d> convolutions;  // 2 of a basic block, 3 of a bottleneck; the last adds x'
     std::optional<Conv2d> downsample;
   };
-  FeatureMap apply(const Block& block, const FeatureMap& x, Arena& arena) const;
+  FeatureMap apply(const Block& block, const FeatureMap& x, Arena& arena,
+                   const Numbers& output_numbers) const;
+  Numbers input_numbers(std::size_t stage, std::size_t block) const {
+    return stages_[stage][block].convolutions.front().input_numbers();
+  }
 
   ResNetShape shape_;
   std::array<int, 4> channels_{};

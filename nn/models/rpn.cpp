@@ -51,9 +51,11 @@ RegionProposalNetwork::RegionProposalNetwork(WeightReader& weights, const std::s
   std::vector<float> bias = weights.vector(prefix + "cls_logits.bias", anchors);
   const std::vector<float> delta_bias = weights.vector(prefix + "bbox_pred.bias", anchors * 4);
   bias.insert(bias.end(), delta_bias.begin(), delta_bias.end());
+  Conv2dOptions predicting;
+  predicting.format = weights.uncalibrated_format();
   predictor_ = Conv2d(stack_rows(weights.tensor(prefix + "cls_logits.weight", {anchors, channels, 1, 1}),
                                  weights.tensor(prefix + "bbox_pred.weight", {anchors * 4, channels, 1, 1})),
-                      bias, {});
+                      bias, predicting);
   for (std::size_t level = 0; level < anchors_.size(); ++level) {
     anchors_[level] = base_anchors(config.anchor_sizes[level], config.aspect_ratios);
   }
@@ -67,7 +69,8 @@ ArenaVector<Box> RegionProposalNetwork::operator()(std::span<const FeatureMap> p
   Candidates all(arena, pyramid.size() * static_cast<std::size_t>(std::max(config_.candidates_per_level, 0)));
   const ArenaBuffer prepared = conv_.prepare(arena);
   for (std::size_t level = 0; level < pyramid.size(); ++level) {
-    const FeatureMap outputs = predictor_(conv_(pyramid[level], arena, prepared), arena);
+    const FeatureMap outputs =
+        predictor_(conv_(pyramid[level], arena, prepared, 0, nullptr, predictor_.input_numbers()), arena);
     const int width = outputs.width();
     const auto stride_x = static_cast<float>(image.padded_width / width);
     const auto stride_y = static_cast<float>(image.padded_height / outputs.height());

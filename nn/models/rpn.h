@@ -36,6 +36,9 @@ class RegionProposalNetwork {
   RegionProposalNetwork(WeightReader& weights, const std::string& prefix, int channels,
                         const RpnConfig& config);
 
+  // In what the pyramid's maps are best stored for the first convolution.
+  Numbers input_numbers() const { return conv_.input_numbers(); }
+
   // Proposals in pixels of the network's input, best first.
   ArenaVector<Box> operator()(std::span<const FeatureMap> pyramid, const ImageExtent& image,
                               Arena& arena) const;

@@ -16,7 +16,7 @@ namespace penumbra::nn {
 class WeightReader {
  public:
   explicit WeightReader(const StateDict& state_dict, LayerPrecision precision = {})
-      : state_dict_(state_dict), precision_(precision) {}
+      : state_dict_(state_dict), precision_(precision.resolved(state_dict)) {}
 
   const std::string& source() const { return state_dict_.source; }  // the file, for messages
   bool has(const std::string& name) const { return state_dict_.tensors.contains(name); }
@@ -38,6 +38,8 @@ class WeightReader {
   // The numbers in which the layer of this name multiplies: see layer_precision.h. Throws InputError where
   // int8 is asked for and the weights were not calibrated.
   NumberFormat format(const std::string& layer) const { return precision_.format(state_dict_, layer); }
+  const LayerPrecision& precision() const { return precision_; }
+  NumberFormat uncalibrated_format() const { return precision_.uncalibrated_format(); }
 
   // Epsilon of the batch norms: the weights' metadata "batch_norm_eps", else `usual`. Throws InputError where
   // it is no number in 0..1.

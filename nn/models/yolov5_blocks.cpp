@@ -52,7 +52,7 @@ Conv2d yolov5_conv(WeightReader& weights, const std::string& name, const Yolov5C
   options.padding = (shape.kernel - 1) / 2;  // the 6 x 6 stem's, too
   options.activation = shape.activation;
   options.slope = kSlope;
-  if (input_block == kBlock) options.format = weights.format(name);  // the stem stays f32
+  options.format = input_block == kBlock ? weights.format(name) : weights.uncalibrated_format();
   const FoldedConvolution folded = folded_conv(weights, name, shape);
   return {folded.weight, folded.bias, options, input_block};
 }
@@ -79,7 +79,7 @@ Yolov5C3::Yolov5C3(WeightReader& weights, const std::string& name, int inputs, i
 FeatureMap Yolov5C3::operator()(const FeatureMap& x, Arena& arena, int output_border) const {
   FeatureMap deep = cv1_(x, arena);
   for (const Residual& residual : residuals_) {
-    FeatureMap y = residual.cv2(residual.cv1(deep, arena, 1), arena);
+    FeatureMap y = residual.cv2(residual.cv1(deep, arena, 1, nullptr, residual.cv2.input_numbers()), arena);
     if (residual.attention) {
       residual.attention->apply(y, arena, &deep);
     } else if (shortcut_) {

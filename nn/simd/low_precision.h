@@ -1,9 +1,8 @@
 // Kernels that multiply bf16 or 8-bit numbers, and which of them this machine can run.
 //
-//   bf16   the upper half of an f32: its exponent, 8 bits of its mantissa; rounded to nearest, ties to even
-//   int8   inputs x = scale (q - zero) with q in 0..255, weights w = scale_o q_w with q_w in -127..127
-//
-// Sums are f32 or 32-bit whole numbers; what the tiles read is converted, what they write is f32.
+// Three kinds of them: on a tile unit (tile_unit.h), whose layers read and write narrow maps; and on vector
+// registers, in the register tile of kernel_table.h, whose inputs are converted and whose outputs are f32.
+// Sums are f32 or 32-bit whole numbers. numbers.h says what the numbers are.
 // See docs/engine/quantisation.md.
 #pragma once
 
@@ -11,25 +10,19 @@
 #include <string_view>
 
 #include "nn/simd/kernel_table.h"
+#include "nn/simd/numbers.h"
 
 namespace penumbra::nn {
-
-enum class Precision { f32, bf16, int8 };
 
 const char* to_string(Precision precision);
 // Throws UsageError for a name that is none of f32, bf16, int8.
 Precision precision_from_name(std::string_view name);
 
-// f32 always; the others where the processor has the instructions and the widest instruction set is in use.
+// f32 always; the others where the instruction set in use has them: a tile unit, or AVX-512 with the BF16 and
+// VNNI extensions.
 bool is_supported(Precision precision);
 // Throws UsageError that names what the processor lacks.
 void require(Precision precision);
-
-// Of one layer's inputs.
-struct Quantisation {
-  float scale = 1.0F;
-  int zero = 0;
-};
 
 struct LowPrecisionKernels {
   TileKernels tile;
@@ -37,12 +30,21 @@ struct LowPrecisionKernels {
   void (*convert)(const float* values, std::ptrdiff_t count, const Quantisation& quantisation, void* out);
 };
 
-// The kernels of a precision that is_supported, not of f32.
+// How bf16 is best multiplied here. VDPBF16PS does twice the multiply-adds of an instruction in f32; AMD's
+// processors run both at one rate, Intel's run it at half the other's, where f32 is faster: its inputs need
+// no conversion and Winograd no rounding. Networks asked for bf16 take f32 there (layer_precision.h).
+enum class Bf16Arithmetic { tiles, dot_products, f32 };
+const char* to_string(Bf16Arithmetic arithmetic);
+// The faster one. Without a tile unit, the first call measures both for less than a millisecond: one takes
+// half the other's time or neither does, so every run of a machine chooses the same. Throws as require()
+// does.
+Bf16Arithmetic bf16_arithmetic();
+// For tests: dot_products or f32, for networks that are built from now on.
+void use_bf16_arithmetic(Bf16Arithmetic arithmetic);
+
+// The kernels of a precision that is_supported, not of f32. With a tile unit it has the weights' width alone:
+// whole layers are its work, no single tiles.
 const LowPrecisionKernels& low_precision_kernels(Precision precision);
-// Bytes of an input or weight.
-int element_size(Precision precision);
-// Channels that one instruction adds up in one lane: the innermost extent of packed weights.
-int channel_group(Precision precision);
 
 namespace avx512_low {
 extern const LowPrecisionKernels kBf16Kernels, kInt8Kernels;

@@ -7,18 +7,37 @@
 
 namespace penumbra::nn {
 
-FeatureMap::FeatureMap(Arena& arena, Batch batch, int channels, int height, int width, int border, int block)
-    : batch_(batch), channels_(channels), height_(height), width_(width), border_(border), block_(block) {
-  data_ = arena.allocate(static_cast<std::size_t>(image_stride()) * static_cast<std::size_t>(batch.capacity));
+FeatureMap::FeatureMap(Arena& arena, Batch batch, int channels, int height, int width, int border, int block,
+                       const Numbers& numbers)
+    : batch_(batch),
+      channels_(channels),
+      height_(height),
+      width_(width),
+      border_(border),
+      block_(block),
+      numbers_(numbers) {
+  const auto bytes = static_cast<std::size_t>(element_size(numbers.precision));
+  const std::size_t size =
+      static_cast<std::size_t>(image_stride()) * static_cast<std::size_t>(batch.capacity) * bytes;
+  // A tile's row takes a line's bytes from a pixel on, and where the pixel is shorter the next ones: those
+  // beyond the last pixel are 0.
+  const bool short_pixels = numbers.precision != Precision::f32 && block * bytes < kLineBytes;
+  data_ = arena.allocate((size + (short_pixels ? kLineBytes : 0)) / sizeof(float));
+  if (short_pixels) std::memset(reinterpret_cast<std::byte*>(data_.data()) + size, 0, kLineBytes);
   if (border == 0) return;
-  const std::size_t side = static_cast<std::size_t>(border) * block;
+  // What stands for 0: all bits 0, or in 8 bits the zero of their range.
+  const int zero = numbers.precision == Precision::int8 ? numbers.quantisation.zero : 0;
+  const auto clear = [&](int n, int b, int y, int x, std::ptrdiff_t values) {
+    std::memset(line(n, b, y, x), zero, static_cast<std::size_t>(values) * bytes);
+  };
+  const std::ptrdiff_t side = static_cast<std::ptrdiff_t>(border) * block;
   for (int n = 0; n < batch.images; ++n) {
     for (int b = 0; b < blocks(); ++b) {
-      std::fill_n(pixel(n, b, -border, -border), border * row_stride(), 0.0F);
-      std::fill_n(pixel(n, b, height, -border), border * row_stride(), 0.0F);
+      clear(n, b, -border, -border, border * row_stride());
+      clear(n, b, height, -border, border * row_stride());
       for (int y = 0; y < height; ++y) {
-        std::fill_n(pixel(n, b, y, -border), side, 0.0F);
-        std::fill_n(pixel(n, b, y, width), side, 0.0F);
+        clear(n, b, y, -border, side);
+        clear(n, b, y, width, side);
       }
     }
   }
@@ -56,12 +75,14 @@ Tensor to_tensor(const FeatureMap& map) {
 }
 
 FeatureMap with_border(const FeatureMap& map, Arena& arena, int border) {
-  FeatureMap copy(arena, map.batch(), map.channels(), map.height(), map.width(), border, map.block());
-  const std::size_t row = static_cast<std::size_t>(map.width()) * map.block() * sizeof(float);
+  FeatureMap copy(arena, map.batch(), map.channels(), map.height(), map.width(), border, map.block(),
+                  map.numbers());
+  const std::size_t row = static_cast<std::size_t>(map.width()) * map.block() *
+                          static_cast<std::size_t>(element_size(map.numbers().precision));
   for (int n = 0; n < map.images(); ++n) {
     for (int b = 0; b < map.blocks(); ++b) {
       for (int y = 0; y < map.height(); ++y) {
-        std::memcpy(copy.pixel(n, b, y, 0), map.pixel(n, b, y, 0), row);
+        std::memcpy(copy.line(n, b, y, 0), map.line(n, b, y, 0), row);
       }
     }
   }

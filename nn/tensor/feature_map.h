@@ -1,21 +1,25 @@
 // A feature map, the engine's activation: N images of C channels and H x W pixels, channel-blocked.
 //
-// Layout: [N][ceil(C / block)][H + 2 border][W + 2 border][block], f32. The channels of a block lie side by
+// Layout: [N][ceil(C / block)][H + 2 border][W + 2 border][block]. The channels of a block lie side by
 // side, so a vector register holds channels of one pixel, and a convolution's taps are constant offsets. The
 // border around the pixels holds zeros: it is the zero padding of the convolution that reads the map.
-//   block 16: activations (oneDNN calls this nChw16c)     block 4: RGB images, the fourth channel 0
+//   block 16: activations in f32 (oneDNN calls this nChw16c)     block 4: images, the fourth channel 0
+//   block 8: images split in two bf16 a value
+//   block 32, 64: activations in bf16 and in 8 bits, which layers on a tile unit write and read
+// So a pixel of a block is a line of 64 bytes, whatever the numbers. pixel() is for f32, line() for all.
 // Channels beyond C in the last block hold whatever the layer computes there, finite numbers: convolutions
 // multiply them by zero weights.
 #pragma once
 
 #include <cstddef>
 
+#include "nn/simd/numbers.h"
 #include "nn/tensor/arena.h"
 #include "nn/tensor/tensor.h"
 
 namespace penumbra::nn {
 
-constexpr int kBlock = 16;      // channels of an activation's block
+constexpr int kBlock = 16;      // channels of a block of an f32 activation
 constexpr int kImageBlock = 4;  // channels of an image's block
 
 // The images of a map, and how many it has room for: maps of regions, whose number depends on the picture,
@@ -31,7 +35,13 @@ class FeatureMap {
  public:
   FeatureMap() = default;
   // Pixels are uninitialised, the border is zero.
-  FeatureMap(Arena& arena, Batch batch, int channels, int height, int width, int border, int block = kBlock);
+  FeatureMap(Arena& arena, Batch batch, int channels, int height, int width, int border, int block = kBlock,
+             const Numbers& numbers = {});
+  // Activations in these numbers.
+  FeatureMap(Arena& arena, Batch batch, int channels, int height, int width, int border,
+             const Numbers& numbers)
+      : FeatureMap(arena, batch, channels, height, width, border, line_channels(numbers.precision), numbers) {
+  }
 
   int images() const { return batch_.images; }
   Batch batch() const { return batch_; }
@@ -41,8 +51,9 @@ class FeatureMap {
   int border() const { return border_; }
   int block() const { return block_; }
   int blocks() const { return (channels_ + block_ - 1) / block_; }
+  const Numbers& numbers() const { return numbers_; }
 
-  // Distances in floats.
+  // Distances in values.
   std::ptrdiff_t row_stride() const { return static_cast<std::ptrdiff_t>(width_ + 2 * border_) * block_; }
   std::ptrdiff_t block_stride() const { return row_stride() * (height_ + 2 * border_); }
   std::ptrdiff_t image_stride() const { return block_stride() * blocks(); }
@@ -58,14 +69,22 @@ class FeatureMap {
            static_cast<std::ptrdiff_t>(x + border_) * block_;
   }
   const float* values() const { return data_.data(); }
+  // pixel() of any numbers.
+  std::byte* line(int n, int b, int y, int x) {
+    return reinterpret_cast<std::byte*>(data_.data()) + offset(n, b, y, x) * element_size(numbers_.precision);
+  }
+  const std::byte* line(int n, int b, int y, int x) const {
+    return const_cast<FeatureMap*>(this)->line(n, b, y, x);
+  }
 
  private:
   Batch batch_;
   int channels_ = 0, height_ = 0, width_ = 0, border_ = 0, block_ = kBlock;
+  Numbers numbers_;
   ArenaBuffer data_;
 };
 
-// Between the two layouts: [N, C, H, W] to a feature map and back.
+// Between the two layouts: [N, C, H, W] to a feature map in f32 and back.
 FeatureMap to_feature_map(const Tensor& tensor, Arena& arena, int border = 0, int block = kBlock);
 Tensor to_tensor(const FeatureMap& map);
 

@@ -36,6 +36,18 @@ TEST(Bench, ConvCountsTheDirectConvolution) {
   EXPECT_GT(layer["mb_moved"], 0.0);
 }
 
+TEST(Bench, ConvRunsInSmallNumbersOnTiles) {
+  for (const char* precision : {"bf16", "int8"}) {
+    const nlohmann::json result = json_of(
+        fmt::format("bench conv --shape 32,64,20x10,3,1 --isa amx-emulated --precision {} --repeats 1 "
+                    "--warm-up 0 --threads 1 --json",
+                    precision));
+    EXPECT_EQ(result["precision"], precision);
+    EXPECT_EQ(result["layers"].at(0)["algorithm"], "tiles");
+    EXPECT_GT(result["peak_tile_gflops"][precision], 0.0);
+  }
+}
+
 TEST(Bench, NetworkPrintsOneObject) {
   const nlohmann::json result =
       json_of("bench network --size 96x64 --min-size 64 --detections 5 --repeats 1 --warm-up 0 --json");
@@ -80,6 +92,22 @@ TEST(Bench, WrongArgumentsAreUsageErrors) {
 TEST(Info, CpuNamesTheInstructionSetInUse) {
   EXPECT_EQ(json_of("info --cpu --isa baseline --json")["isa"], "baseline");
   EXPECT_NE(test::run_penumbra("info --cpu").out.find("instruction set"), std::string::npos);
+}
+
+TEST(Info, CpuSaysHowSmallNumbersAreMultiplied) {
+  const nlohmann::json emulated = json_of("info --cpu --isa amx-emulated --json");
+  EXPECT_EQ(emulated["isa"], "amx-emulated");
+  EXPECT_EQ(emulated["bf16"], "tile products");
+  EXPECT_EQ(emulated["precision_auto"], "bf16");
+  const nlohmann::json baseline = json_of("info --cpu --isa baseline --json");
+  EXPECT_EQ(baseline["bf16"], "none");
+  EXPECT_EQ(baseline["precision_auto"], "f32");
+  EXPECT_EQ(baseline["amx"] == "yes", nn::is_supported(nn::Isa::amx));
+  if (!nn::is_supported(nn::Isa::amx)) {
+    const test::ProgramResult refused = test::run_penumbra("info --cpu --isa amx");
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find(baseline["amx"].get<std::string>()), std::string::npos) << refused.err;
+  }
 }
 
 TEST(Calibrate, MakesWeightsThatRunInInt8) {

@@ -1,7 +1,10 @@
 // The worked examples of docs/engine: every number there is checked here.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <numeric>
 
@@ -16,6 +19,7 @@
 #include "nn/layers/nms.h"
 #include "nn/layers/roi_align.h"
 #include "nn/layers/spatial_attention.h"
+#include "nn/simd/tile_unit.h"
 #include "nn/tensor/memory_plan.h"
 #include "tests/support/test_data.h"
 
@@ -42,6 +46,33 @@ TEST(EngineChapters, Tensors) {
   EXPECT_EQ(map.block_stride(), 560);
   EXPECT_EQ(map.image_stride(), 1120);
   EXPECT_EQ(map.pixel(0, 18 / kBlock, 1, 2) + 18 % kBlock - map.pixel(0, 0, -1, -1), 834);
+}
+
+// One TDPBF16PS: a tile of one pixel, four channels, one output. By emulation, which tile_unit_test holds to
+// the processor.
+float tile_product(const std::array<float, 4>& x, const std::array<float, 4>& w, float c) {
+  alignas(64) std::array<std::byte, kTileRows * kLineBytes> a{}, b{}, sums{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto upper_half = [](float value) { return std::bit_cast<std::array<std::byte, 4>>(value); };
+    std::memcpy(&a[2 * k], &upper_half(x[k])[2], 2);
+    std::memcpy(&b[k / 2 * kLineBytes + k % 2 * 2], &upper_half(w[k])[2], 2);
+  }
+  std::memcpy(sums.data(), &c, 4);
+  amx_emulated::kTileUnit.tile_product({Precision::bf16, 1, 8, 4, a.data(), b.data(), sums.data()});
+  std::memcpy(&c, sums.data(), 4);
+  return c;
+}
+
+TEST(EngineChapters, TileUnits) {
+  if (!is_supported(Isa::amx_emulated)) GTEST_SKIP() << "no AVX2 here";
+  EXPECT_EQ(tile_product({1, 2, 3, 4}, {0.5F, -1, 2, 0.25F}, 10), 15.5F);
+  EXPECT_EQ(tile_product({0x1p24F, 1, -0x1p24F, 1}, {1, 1, 1, 1}, 0), 2.0F);
+  EXPECT_EQ((((0x1p24F + 1.0F) - 0x1p24F) + 1.0F), 1.0F);
+  Arena arena;
+  const FeatureMap map(arena, 1, 70, 3, 5, 1, Numbers{Precision::bf16, {}});
+  EXPECT_EQ(map.blocks(), 3);
+  EXPECT_EQ(map.block(), 32);
+  EXPECT_EQ(map.line(0, 1, 2, 3) - map.line(0, 1, 2, 2), kLineBytes);
 }
 
 TEST(EngineChapters, Memory) {

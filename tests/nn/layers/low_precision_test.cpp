@@ -2,12 +2,12 @@
 // closely as f32 does, once its inputs and weights are rounded the same way.
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <cmath>
+#include <optional>
 
 #include "nn/base/error.h"
 #include "nn/layers/conv2d.h"
 #include "nn/layers/reference/reference.h"
+#include "tests/support/rounded_numbers.h"
 #include "tests/support/tensors.h"
 
 namespace penumbra::nn {
@@ -17,42 +17,26 @@ using test::expect_close;
 using test::pick;
 using test::random_tensor;
 using test::random_vector;
-
-float as_bf16(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return std::bit_cast<float>((bits + 0x7FFFU + ((bits >> 16) & 1U)) & 0xFFFF0000U);
-}
-
-Tensor rounded_to_bf16(Tensor tensor) {
-  for (float& value : tensor.values) value = as_bf16(value);
-  return tensor;
-}
-
-Tensor quantised_input(Tensor tensor, const Quantisation& q) {
-  for (float& value : tensor.values) {
-    const float whole = std::nearbyint(value / q.scale + static_cast<float>(q.zero));
-    value = (std::min(std::max(whole, 0.0F), 255.0F) - static_cast<float>(q.zero)) * q.scale;
-  }
-  return tensor;
-}
-
-Tensor quantised_weight(Tensor weight) {
-  const auto row = static_cast<std::size_t>(elements(weight.shape) / weight.shape.front());
-  for (std::size_t first = 0; first < weight.values.size(); first += row) {
-    float largest = 0.0F;
-    for (std::size_t i = first; i < first + row; ++i) largest = std::max(largest, std::abs(weight.values[i]));
-    for (std::size_t i = first; i < first + row; ++i) {
-      weight.values[i] = std::nearbyint(weight.values[i] * (127.0F / largest)) * (largest / 127.0F);
-    }
-  }
-  return weight;
-}
+using test::rounded_input;
+using test::rounded_weight;
 
 class LowPrecisionTest : public ::testing::TestWithParam<Precision> {
  protected:
+  // The register tile's kernels, also on a machine with a tile unit.
   void SetUp() override {
+    if (current_isa() == Isa::amx) use_isa(Isa::avx512);
     if (!is_supported(GetParam())) GTEST_SKIP() << "no " << to_string(GetParam()) << " here";
+    before_arithmetic_ = bf16_arithmetic();
+    use_bf16_arithmetic(Bf16Arithmetic::dot_products);
   }
+  void TearDown() override {
+    if (before_arithmetic_) use_bf16_arithmetic(*before_arithmetic_);
+    use_isa(before_);
+  }
+
+ private:
+  Isa before_ = current_isa();
+  std::optional<Bf16Arithmetic> before_arithmetic_;
 };
 
 TEST_P(LowPrecisionTest, AgreesWithTheReferenceOfRoundedNumbers) {
@@ -73,12 +57,11 @@ TEST_P(LowPrecisionTest, AgreesWithTheReferenceOfRoundedNumbers) {
         random_tensor({pick(random, 1, 2), channels, pick(random, 3, 12), pick(random, 3, 40)}, trial);
     const Tensor weight = random_tensor({outputs, channels / options.groups, kernel, kernel}, 100 + trial);
     const std::vector<float> bias = random_vector(outputs, 200 + trial);
-    const bool bf16 = GetParam() == Precision::bf16;
-    const Tensor rounded_x = bf16 ? rounded_to_bf16(x) : quantised_input(x, options.format.input);
-    const Tensor rounded_weight = bf16 ? rounded_to_bf16(weight) : quantised_weight(weight);
-    Tensor expected = reference::conv2d(rounded_x, rounded_weight, bias, options);
+    const Tensor rounded_x = rounded_input(x, numbers_of(options.format));
+    const Tensor rounded_w = rounded_weight(weight, GetParam());
+    Tensor expected = reference::conv2d(rounded_x, rounded_w, bias, options);
     const Tensor residual = random_tensor(expected.shape, 300 + trial);
-    expected = reference::conv2d(rounded_x, rounded_weight, bias, options, &residual);
+    expected = reference::conv2d(rounded_x, rounded_w, bias, options, &residual);
 
     Arena arena;
     const FeatureMap residual_map = to_feature_map(residual, arena);
@@ -95,11 +78,9 @@ TEST_P(LowPrecisionTest, FullyConnectedLayersAgreeWithTheReferenceOfRoundedNumbe
   Arena arena;
   const FeatureMap y =
       linear(weight, {}, 48, 5, 5, Activation::relu, format)(to_feature_map(x, arena), arena);
-  const bool bf16 = GetParam() == Precision::bf16;
-  Tensor flat = bf16 ? rounded_to_bf16(x) : quantised_input(x, format.input);
+  Tensor flat = rounded_input(x, numbers_of(format));
   flat.shape = {130, 48 * 25};
-  Tensor expected = reference::linear(flat, bf16 ? rounded_to_bf16(weight) : quantised_weight(weight), {},
-                                      Activation::relu);
+  Tensor expected = reference::linear(flat, rounded_weight(weight, GetParam()), {}, Activation::relu);
   expected.shape = {130, 70, 1, 1};
   expect_close(to_tensor(y), expected, 2e-5F);
 }

@@ -43,8 +43,9 @@ int count(const std::string& text, const std::string& word) {
   return found;
 }
 
-const std::array kTargets{"penumbra_kernels_baseline", "penumbra_kernels_avx2", "penumbra_kernels_avx512",
-                          "penumbra_kernels_avx512_low"};
+const std::array kTargets{"penumbra_kernels_baseline", "penumbra_kernels_avx2",
+                          "penumbra_kernels_avx512",   "penumbra_kernels_avx512_low",
+                          "penumbra_kernels_amx",      "penumbra_kernels_amx_emulated"};
 
 TEST(KernelObjects, DefineNoFunctionThatOtherFilesMightUse) {
   for (const std::string target : kTargets) {
@@ -81,6 +82,27 @@ TEST(KernelObjects, MultiplyAndAddInOneInstruction) {
   const std::string low = tile_code("penumbra_kernels_avx512_low");
   EXPECT_GT(count(low, "vdpbf16ps"), 400);
   EXPECT_GT(count(low, "vpdpbusd"), 400);
+}
+
+// Machines without a tile unit cannot run these kernels: at least the compiler must have left them whole.
+TEST(KernelObjects, UseTheTileUnitOrNot) {
+  const auto code_of = [](const std::string& target) {
+    std::string code;
+    for (const std::string& path : objects(target))
+      code += output_of("objdump -d --no-show-raw-insn " + path);
+    return code;
+  };
+  const std::string real = code_of("penumbra_kernels_amx"),
+                    emulated = code_of("penumbra_kernels_amx_emulated");
+  // Four shapes of blocks in each kind of numbers: of one or two segments by 16 or 32 outputs.
+  EXPECT_GE(count(real, "tdpbf16ps"), 9);
+  EXPECT_GE(count(real, "tdpbusd"), 9);
+  EXPECT_GE(count(real, "tileloadd"), 24);
+  EXPECT_GE(count(real, "tilestored"), 18);
+  // The configuration is in memory when it is loaded: its 64 bytes are cleared by one store, or by several.
+  EXPECT_GE(count(real, "ldtilecfg"), 2);
+  for (const char* word : {"tdpb", "tileloadd", "ldtilecfg", "%zmm"})
+    EXPECT_EQ(count(emulated, word), 0) << word;
 }
 
 }  // namespace
