@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "nn/base/error.h"
+#include "nn/base/half.h"
 #include "nn/base/text.h"
-#include "nn/io/half.h"
 #include "weights_tools/torch_storages.h"
 
 namespace penumbra::weights_tools {

@@ -68,9 +68,8 @@ double peak_gflops() {
   double best = 0.0;
   for (int run = 0; run < kRuns; ++run) {
     std::atomic<double> operations{0.0};
-    const double seconds = seconds_of([&] {
-      parallel_for(thread_count(), 1, [&](std::int64_t) { operations += kernels.peak_loop(kIterations); });
-    });
+    const double seconds = seconds_of(
+        [&] { parallel_for(thread_count(), 1, [&](int) { operations += kernels.peak_loop(kIterations); }); });
     best = std::max(best, operations / seconds * 1e-9);
   }
   return best;
@@ -84,7 +83,7 @@ double peak_tile_gflops(nn::Precision precision) {
     std::atomic<double> operations{0.0};
     const double seconds = seconds_of([&] {
       parallel_for(thread_count(), 1,
-                   [&](std::int64_t) { operations += nn::tile_unit()->peak_loop(precision, kIterations); });
+                   [&](int) { operations += nn::tile_unit()->peak_loop(precision, kIterations); });
     });
     best = std::max(best, operations / seconds * 1e-9);
   }

@@ -23,11 +23,15 @@ int input_block(const ConvShape& shape) {
   return shape.channels <= nn::kImageBlock ? nn::kImageBlock : nn::kBlock;
 }
 
+// A kernel as large as the map is a fully connected layer.
+int padding_of(const ConvShape& shape) {
+  return shape.kernel == shape.height && shape.kernel == shape.width ? 0 : shape.kernel / 2;
+}
+
 nn::Conv2d make_layer(const ConvShape& shape, nn::Precision precision) {
   nn::Conv2dOptions options;
   options.stride = shape.stride;
-  const bool fully_connected = shape.kernel == shape.height && shape.kernel == shape.width;
-  options.padding = fully_connected ? 0 : shape.kernel / 2;
+  options.padding = padding_of(shape);
   options.activation = nn::Activation::relu;
   options.format = {precision, kAnyRange, nullptr};
   return {random_weight(shape), {}, options, input_block(shape)};
@@ -92,10 +96,9 @@ std::vector<ConvShape> compared_shapes(int height, int width) {
 
 ConvLayer::ConvLayer(const ConvShape& shape, nn::Precision precision)
     : shape_(shape), conv_(make_layer(shape, precision)) {
-  const bool fully_connected = shape.kernel == shape.height && shape.kernel == shape.width;
   const nn::Numbers numbers = conv_.input_numbers();
-  input_ = random_map(arena_, shape, shape.channels, shape.height, shape.width,
-                      fully_connected ? 0 : shape.kernel / 2, input_block(shape), numbers);
+  input_ = random_map(arena_, shape, shape.channels, shape.height, shape.width, padding_of(shape),
+                      input_block(shape), numbers);
   const nn::FeatureMap output = conv_(input_, arena_);
   outputs_ = static_cast<double>(output.images()) * output.channels() * output.height() * output.width();
   if (shape.residual) {

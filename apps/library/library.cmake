@@ -24,7 +24,7 @@ if(PENUMBRA_PYTHON)
   pybind11_add_module(penumbra_python NO_EXTRAS apps/python/penumbra_module.cpp)
   set_target_properties(penumbra_python PROPERTIES OUTPUT_NAME _penumbra UNITY_BUILD OFF BUILD_RPATH "$ORIGIN;${CMAKE_CURRENT_BINARY_DIR}"
                         INSTALL_RPATH "$ORIGIN" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/python/penumbra)
-  target_link_libraries(penumbra_python PRIVATE penumbra_library)
+  target_link_libraries(penumbra_python PRIVATE penumbra_library penumbra_options)
   # The package as it is imported from the build folder.
   file(GLOB python_files CONFIGURE_DEPENDS apps/python/penumbra/*)
   add_custom_command(TARGET penumbra_python POST_BUILD

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "nn/base/error.h"
-#include "slam/sources/camera_file.h"
 
 namespace penumbra {
 
@@ -15,7 +14,7 @@ namespace {
 // The rest is checked by slam::Slam.
 std::shared_ptr<Rig::Parts> parts_of(const Pinhole& camera, double baseline) {
   auto parts = std::make_shared<Rig::Parts>();
-  parts->camera = {.fx = camera.fx,
+  parts->cameras.camera = {.fx = camera.fx,
                    .fy = camera.fy,
                    .cx = camera.cx,
                    .cy = camera.cy,
@@ -46,12 +45,9 @@ Rig Rig::read(const std::string& path) {
   const slam::CameraFile file = slam::read_camera_file(path);
   if (file.left.width == 0)
     throw InputError(path, "the images' size (width, height): no image is there to tell it", "none");
-  slam::RecordedCamera made = slam::make_camera(file);
   auto parts = std::make_shared<Parts>();
   parts->sensor = file.sensor;
-  parts->camera = made.camera;
-  parts->left = std::move(made.left);
-  parts->right = std::move(made.right);
+  parts->cameras = slam::make_camera(file);
   parts->width = file.left.width;
   parts->height = file.left.height;
   parts->depth_factor = file.depth_factor;
@@ -61,11 +57,11 @@ Rig Rig::read(const std::string& path) {
 bool Rig::has_depth() const { return parts_->sensor == slam::Sensor::rgbd; }
 
 Pinhole Rig::camera() const {
-  const slam::StereoCamera& c = parts_->camera;
+  const slam::StereoCamera& c = parts_->cameras.camera;
   return {c.fx, c.fy, c.cx, c.cy, c.width, c.height};
 }
 
-double Rig::baseline() const { return parts_->camera.baseline; }
+double Rig::baseline() const { return parts_->cameras.camera.baseline; }
 
 int Rig::raw_width() const { return parts_->width; }
 

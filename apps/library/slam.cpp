@@ -5,7 +5,6 @@
 #include <cmath>
 #include <mutex>
 #include <shared_mutex>
-#include <thread>
 #include <utility>
 
 #include "apps/library/pixels.h"
@@ -17,42 +16,30 @@
 #include "nn/base/parallel.h"
 #include "slam/map/map_file.h"
 #include "slam/map/ply.h"
+#include "slam/pipeline/dynamics_choice.h"
 #include "slam/pipeline/run_check.h"
 #include "slam/pipeline/settings_file.h"
 #include "slam/pipeline/slam.h"
+#include "slam/sources/depth_levels.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra {
 
 namespace {
 
-// As `penumbra slam --dynamics` has them.
-void set_dynamics(const std::string& name, slam::Sensor sensor, slam::SemanticsSettings& semantics) {
-  using Masks = slam::InstanceMasks;
-  const std::pair<const char*, Masks> kNames[] = {{"masks", Masks::detector},
-                                                  {"boxes", Masks::boxes},
-                                                  {"depth-clusters", Masks::depth_clusters},
-                                                  {"static-points", Masks::dbscan}};
-  for (const auto& [word, masks] : kNames) {
-    if (name != word) continue;
-    if (masks != Masks::detector && masks != Masks::boxes && sensor != slam::Sensor::rgbd)
-      throw InputError("SlamOptions::dynamics", "masks or boxes for a rig without depth", name);
-    semantics.depth_masks.masks = masks;
-    semantics.instances.check_motion = masks == Masks::detector;
-    if (masks == Masks::dbscan) semantics.static_points.constraint.mode = slam::StaticPointMode::adaptive;
-    return;
-  }
-  throw InputError("SlamOptions::dynamics", "masks, boxes, depth-clusters or static-points", name);
-}
-
 slam::SlamSettings settings_of(const SlamOptions& options, slam::Sensor sensor) {
   slam::SlamSettings settings;
   if (!options.settings.empty()) slam::read_settings(options.settings, settings);
-  const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  settings.threads = options.threads > 0 ? options.threads : processors;
+  settings.threads = options.threads > 0 ? options.threads : thread_count();
   settings.deterministic = options.deterministic;
-  settings.localise = options.localise;
-  if (!options.weights.empty()) set_dynamics(options.dynamics, sensor, settings.semantics);
+  if (options.localise) settings.localise = true;
+  if (options.dynamics.empty() && !options.settings.empty()) return settings;
+  const std::string dynamics = options.dynamics.empty() ? "masks" : options.dynamics;
+  if (!slam::choose_dynamics(dynamics, settings.semantics))
+    throw InputError("SlamOptions::dynamics", "masks, boxes, depth-clusters or static-points", dynamics);
+  if (slam::needs_depth(settings.semantics.depth_masks.masks) && sensor != slam::Sensor::rgbd)
+    throw InputError("SlamOptions::dynamics", "masks or boxes for a rig without depth", dynamics);
+  settings.semantics.instances.check_motion = !slam::class_decides(settings.semantics);
   return settings;
 }
 
@@ -89,7 +76,8 @@ class Slam::Run {
     if (!options_.weights.empty()) {
       network_ = apps::network_of(weights_tools::load_weights(options_.weights), options_.weights, {},
                                   apps::slam_network_config());
-      settings_.semantics.instances.least_score = apps::least_score_of(*network_);
+      if (options_.settings.empty())
+        settings_.semantics.instances.least_score = apps::least_score_of(*network_);
     }
     begin();
   }
@@ -98,13 +86,13 @@ class Slam::Run {
     std::unique_ptr<slam::Map> map;
     if (!options_.map.empty()) {
       map = slam::read_map(options_.map);
-      slam::require_same_camera(map->camera(), parts().camera, options_.map);
+      slam::require_same_camera(map->camera(), cameras().camera, options_.map);
     }
     slam::Segmenter segmenter;
-    if (network_) segmenter = apps::make_segmenter(*network_, parts().camera, settings_.semantics);
-    auto slam = std::make_shared<slam::Slam>(parts().camera, parts().sensor, settings_, std::move(segmenter),
+    if (network_) segmenter = apps::make_segmenter(*network_, cameras().camera, settings_.semantics);
+    auto slam = std::make_shared<slam::Slam>(cameras().camera, parts().sensor, settings_, std::move(segmenter),
                                              std::move(map));
-    check_.emplace(parts().camera, parts().sensor);
+    check_.emplace(cameras().camera, parts().sensor);
     places_.clear();
     frames_ = 0;
     last_ = {};
@@ -113,7 +101,7 @@ class Slam::Run {
   }
 
   TrackResult track(const Frame& frame) {
-    set_thread_count(settings_.threads);  // of the caller's loops, whichever thread that is
+    const ThreadCountScope threads(settings_.threads);
     const slam::StereoImages images = images_of(frame);
     slam::FrameResult found = slam_->process(images);
     tell_movement();  // of the frame before, before this one takes its place
@@ -165,11 +153,7 @@ class Slam::Run {
     const std::shared_lock lock(slam_->map().mutex());
     std::vector<TimedPose> poses;
     poses.reserve(places_.size());
-    for (const Place& at : places_) {
-      slam::SE3 T_cw = at.place.T_cw();
-      T_cw.normalize();
-      poses.push_back({at.timestamp, pose_of(T_cw.inverse())});
-    }
+    for (const Place& at : places_) poses.push_back({at.timestamp, pose_of(at.place.T_wc())});
     return poses;
   }
 
@@ -182,6 +166,7 @@ class Slam::Run {
   };
 
   const Rig::Parts& parts() const { return *rig_.parts_; }
+  const slam::RecordedCamera& cameras() const { return parts().cameras; }
   std::shared_ptr<const slam::Slam> current() const {
     const std::lock_guard lock(mutex_);
     return slam_;
@@ -197,9 +182,9 @@ class Slam::Run {
     slam::StereoImages images;
     images.index = frames_;
     images.timestamp = frame.timestamp;
-    images.left = parts().left.linear(byte_image_of(frame.left, size, "left image"));
+    images.left = cameras().left.linear(byte_image_of(frame.left, size, "left image"));
     if (parts().sensor == slam::Sensor::stereo) {
-      images.right = parts().right.linear(byte_image_of(frame.right, size, "right image"));
+      images.right = cameras().right.linear(byte_image_of(frame.right, size, "right image"));
     } else {
       images.depth = metres_of(frame.depth, size);
     }
@@ -209,18 +194,13 @@ class Slam::Run {
 
   FloatImage metres_of(const ImageRef& image, const Size& size) const {
     if (image.format == PixelFormat::depth32_metres) {
-      if (!parts().left.is_identity())
+      if (!cameras().left.is_identity())
         throw InputError("depth", "16-bit depth where the rig's images are raw", "floats");
       return depth_metres_of(image, size);
     }
     if (image.format != PixelFormat::depth16)
       throw InputError("depth", "16-bit depth, or metres as floats", "grey or colour");
-    const WordImage units = parts().left.nearest(depth_units_of(image, size));
-    FloatImage metres(units.width(), units.height());
-    const auto unit = static_cast<float>(1.0 / parts().depth_factor);
-    for (std::size_t i = 0; i < units.elements(); ++i)
-      metres.data()[i] = static_cast<float>(units.data()[i]) * unit;
-    return metres;
+    return slam::metres_of(cameras().left.nearest(depth_units_of(image, size)), parts().depth_factor);
   }
 
   // Where the map has moved the newest frame since its pose was told.
@@ -230,7 +210,7 @@ class Slam::Run {
     slam::SE3 now;
     {
       const std::shared_lock lock(slam_->map().mutex());
-      now = last_.place.T_cw().inverse();
+      now = last_.place.T_wc();
     }
     const slam::SE3 moved = now * last_told_.inverse();
     const bool is_far = (now.translation - last_told_.translation).norm() > kMetres;

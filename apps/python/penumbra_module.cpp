@@ -45,47 +45,46 @@ penumbra::ImageRef image_ref(const py::array& array, bool rgb, const char* name)
   return image;
 }
 
+constexpr py::ssize_t kNumbers = 16;  // of a pose: 4 x 4, row by row, [R t; 0 1]
+
+void write_pose(const penumbra::Pose& pose, double* matrix) {
+  for (std::size_t row = 0; row < 3; ++row) {
+    std::copy_n(pose.rotation.begin() + 3 * row, 3, matrix + 4 * row);
+    matrix[4 * row + 3] = pose.translation[row];
+  }
+  const double last[] = {0.0, 0.0, 0.0, 1.0};
+  std::copy_n(last, 4, matrix + 12);
+}
+
+penumbra::Pose read_pose(const double* matrix) {
+  penumbra::Pose pose;
+  for (std::size_t row = 0; row < 3; ++row) {
+    std::copy_n(matrix + 4 * row, 3, pose.rotation.begin() + 3 * row);
+    pose.translation[row] = matrix[4 * row + 3];
+  }
+  return pose;
+}
+
 Matrix matrix_of(const penumbra::Pose& pose) {
   Matrix matrix({4, 4});
-  auto m = matrix.mutable_unchecked<2>();
-  for (py::ssize_t row = 0; row < 3; ++row) {
-    for (py::ssize_t column = 0; column < 3; ++column)
-      m(row, column) = pose.rotation[static_cast<std::size_t>(3 * row + column)];
-    m(row, 3) = pose.translation[static_cast<std::size_t>(row)];
-    m(3, row) = 0.0;
-  }
-  m(3, 3) = 1.0;
+  write_pose(pose, matrix.mutable_data());
   return matrix;
 }
 
 penumbra::Pose pose_of(const Matrix& matrix) {
   if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4)
     throw py::value_error("a pose: expected a 4 x 4 matrix [R t; 0 1]");
-  const auto m = matrix.unchecked<2>();
-  penumbra::Pose pose;
-  for (py::ssize_t row = 0; row < 3; ++row) {
-    for (py::ssize_t column = 0; column < 3; ++column)
-      pose.rotation[static_cast<std::size_t>(3 * row + column)] = m(row, column);
-    pose.translation[static_cast<std::size_t>(row)] = m(row, 3);
-  }
-  return pose;
+  return read_pose(matrix.data());
 }
 
 // A path in Python: times (n) and poses (n, 4, 4).
 py::tuple path_of(const std::vector<penumbra::TimedPose>& poses) {
   const auto count = static_cast<py::ssize_t>(poses.size());
   py::array_t<double> times(count), matrices({count, py::ssize_t{4}, py::ssize_t{4}});
-  std::fill_n(matrices.mutable_data(), matrices.size(), 0.0);
-  auto m = matrices.mutable_unchecked<3>();
   for (py::ssize_t i = 0; i < count; ++i) {
     const penumbra::TimedPose& pose = poses[static_cast<std::size_t>(i)];
     times.mutable_at(i) = pose.timestamp;
-    for (py::ssize_t row = 0; row < 3; ++row) {
-      for (py::ssize_t column = 0; column < 3; ++column)
-        m(i, row, column) = pose.T_world_camera.rotation[static_cast<std::size_t>(3 * row + column)];
-      m(i, row, 3) = pose.T_world_camera.translation[static_cast<std::size_t>(row)];
-    }
-    m(i, 3, 3) = 1.0;
+    write_pose(pose.T_world_camera, matrices.mutable_data() + kNumbers * i);
   }
   return py::make_tuple(times, matrices);
 }
@@ -98,17 +97,8 @@ std::vector<penumbra::TimedPose> poses_of(const py::tuple& path) {
       matrices.shape(1) != 4 || matrices.shape(2) != 4)
     throw py::value_error("a path: expected times (n) and poses (n, 4, 4)");
   std::vector<penumbra::TimedPose> poses;
-  const auto m = matrices.unchecked<3>();
-  for (py::ssize_t i = 0; i < times.shape(0); ++i) {
-    penumbra::TimedPose pose;
-    pose.timestamp = times.at(i);
-    for (py::ssize_t row = 0; row < 3; ++row) {
-      for (py::ssize_t column = 0; column < 3; ++column)
-        pose.T_world_camera.rotation[static_cast<std::size_t>(3 * row + column)] = m(i, row, column);
-      pose.T_world_camera.translation[static_cast<std::size_t>(row)] = m(i, row, 3);
-    }
-    poses.push_back(pose);
-  }
+  for (py::ssize_t i = 0; i < times.shape(0); ++i)
+    poses.push_back({times.at(i), read_pose(matrices.data() + kNumbers * i)});
   return poses;
 }
 
@@ -188,7 +178,7 @@ void add_slam(py::module_& m) {
              return penumbra::Slam(rig, options);
            }),
            py::arg("rig"), py::kw_only(), py::arg("settings") = "", py::arg("threads") = 0,
-           py::arg("deterministic") = false, py::arg("weights") = "", py::arg("dynamics") = "masks",
+           py::arg("deterministic") = false, py::arg("weights") = "", py::arg("dynamics") = "",
            py::arg("map") = "", py::arg("localise") = false)
       .def("track", &track, py::arg("timestamp"), py::arg("left"), py::arg("right") = py::none(),
            py::kw_only(), py::arg("depth") = py::none(), py::arg("motion") = py::none(),

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "nn/base/error.h"
+#include "slam/pipeline/dynamics_choice.h"
 #include "slam/pipeline/setting_fields.h"
 
 namespace penumbra::apps {
@@ -38,11 +39,8 @@ std::string option_word(slam::InstanceMasks masks) {
 // --dynamics and what belongs to it.
 void set_masks(const SlamOptions& options, slam::SemanticsSettings& semantics) {
   slam::DepthMaskSettings& masks = semantics.depth_masks;
-  const bool is_static_points = options.dynamics == "static-points";
   const auto says = [&](const char* name) { return has_a_say(options, name); };
-  if (says("--dynamics"))
-    masks.masks =
-        is_static_points ? slam::InstanceMasks::dbscan : slam::value_of(options.dynamics, masks.masks);
+  if (says("--dynamics")) slam::choose_dynamics(options.dynamics, semantics);
   if (says("--foreground")) masks.foreground.mode = slam::value_of(options.foreground, masks.foreground.mode);
   if (says("--repair")) masks.repair.mode = slam::value_of(options.repair, masks.repair.mode);
   if (says("--clusters")) masks.object.mode = slam::value_of(options.clusters, masks.object.mode);
@@ -50,16 +48,8 @@ void set_masks(const SlamOptions& options, slam::SemanticsSettings& semantics) {
   if (says("--clusters") && masks.object.mode == slam::ClusterMode::paper)
     masks.object.clusters = kPaperClusters;
   if (says("--consistency")) masks.consistency.enabled = options.consistency == "on";
-}
-
-// --static-points: what --dynamics static-points is for; off elsewhere, unless asked for.
-void set_static_points(const SlamOptions& options, slam::SemanticsSettings& semantics) {
-  slam::StaticPointMode& mode = semantics.static_points.constraint.mode;
-  if (options.given.contains("--static-points")) {
-    mode = slam::value_of(options.static_points, mode);
-  } else if (has_a_say(options, "--dynamics")) {
-    mode = options.dynamics == "static-points" ? slam::StaticPointMode::adaptive : slam::StaticPointMode::off;
-  }
+  slam::StaticPointMode& points = semantics.static_points.constraint.mode;
+  if (options.given.contains("--static-points")) points = slam::value_of(options.static_points, points);
 }
 
 // UsageError for an option that says how masks are made of boxes, where they are not made so.
@@ -86,13 +76,10 @@ void set_semantics(const SlamOptions& options, slam::SemanticsSettings& semantic
   if (says("--segmentation")) parse_segmentation(options.segmentation, semantics);
   if (options.least_score) semantics.instances.least_score = *options.least_score;
   set_masks(options, semantics);
-  set_static_points(options, semantics);
   // What follows from --dynamics or --static-points follows beside a file of settings, too.
   if (says("--moving") || options.given.contains("--dynamics") || options.given.contains("--static-points")) {
-    const bool by_boxes = semantics.depth_masks.masks != slam::InstanceMasks::detector;
-    const bool by_points = semantics.static_points.constraint.mode != slam::StaticPointMode::off;
-    const bool by_class =
-        options.moving == "class" || ((by_boxes || by_points) && !options.given.contains("--moving"));
+    const bool by_class = options.moving == "class" ||
+                          (slam::class_decides(semantics) && !options.given.contains("--moving"));
     semantics.instances.check_motion = !by_class;
   }
 }
@@ -110,7 +97,7 @@ void check_semantics(const SlamOptions& options, const slam::StereoDataset& data
     throw UsageError(fmt::format("--dynamics {}: needs --weights, for the boxes of objects (or --masks)",
                                  option_word(masks)));
   }
-  if (masks != slam::InstanceMasks::boxes && dataset.sensor() != slam::Sensor::rgbd) {
+  if (slam::needs_depth(masks) && dataset.sensor() != slam::Sensor::rgbd) {
     throw UsageError(fmt::format(
         "--dynamics {}: needs an RGB-D recording, and {} is a stereo recording, without depth{}",
         option_word(masks), dataset.name(),

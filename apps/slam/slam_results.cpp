@@ -15,6 +15,7 @@
 #include "apps/view/run_truth.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/quantile.h"
 #include "nn/image/image_file.h"
 #include "slam/evaluation/trajectory_plot.h"
 #include "slam/geometry/association.h"
@@ -134,6 +135,19 @@ void warn_of_pieces(const slam::Recorder& record) {
         "frames are right relative to each other, where they are is a guess",
         submaps[i].first_frame, submaps[i].last_frame, submaps[i].frames);
   }
+}
+
+// In half a second somebody walks half a metre: what is found of him then comes too late for the pose.
+void warn_of_late_masks(const slam::Recorder& record, SlamRun& run) {
+  constexpr double kLate = 0.5;  // seconds
+  const std::vector<double>& delays = record.mask_delays().values();
+  const double median = delays.empty() ? 0.0 : quantile_of(delays, 0.5);
+  if (median <= kLate) return;
+  run.warnings.push_back(
+      fmt::format("masks came {:.2g} s late at the median: the network is too slow here for what moves fast "
+                  "(a smaller one, --segmentation-threads, or --segmentation all, which waits)",
+                  median));
+  log_warning("{}", run.warnings.back());
 }
 
 void print_summary(const nlohmann::json& report, const std::filesystem::path& out) {

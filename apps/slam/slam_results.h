@@ -35,6 +35,9 @@ void write_checkpoint(const ResultPlaces& places, const slam::Recorder& record, 
 // Says which pieces of the map nothing ties to the first: they stand where they were guessed.
 void warn_of_pieces(const slam::Recorder& record);
 
+// Logs, and notes in the run, where masks came so late that what moves fast was already elsewhere.
+void warn_of_late_masks(const slam::Recorder& record, SlamRun& run);
+
 // `report`: what write_results wrote as run.json.
 void print_summary(const nlohmann::json& report, const std::filesystem::path& out);
 

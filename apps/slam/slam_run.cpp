@@ -21,7 +21,6 @@
 #include "apps/view/processor_times.h"
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
-#include "nn/base/quantile.h"
 #include "slam/map/map_file.h"
 #include "slam/pipeline/dense_mapper.h"
 #include "slam/pipeline/recorder.h"
@@ -205,19 +204,6 @@ void judge(const SlamOptions& options, const slam::Recorder& record, const SlamR
   }
   if (record.tracked() == 0) throw Error(run.why_lost);
   if (!run.why_lost.empty()) log_warning("{}", run.why_lost);
-}
-
-// In half a second somebody walks half a metre: what is found of him then comes too late for the pose.
-void warn_of_late_masks(const slam::Recorder& record, SlamRun& run) {
-  constexpr double kLate = 0.5;  // seconds
-  const std::vector<double>& delays = record.mask_delays().values();
-  const double median = delays.empty() ? 0.0 : quantile_of(delays, 0.5);
-  if (median <= kLate) return;
-  run.warnings.push_back(
-      fmt::format("masks came {:.2g} s late at the median: the network is too slow here for what moves fast "
-                  "(a smaller one, --segmentation-threads, or --segmentation all, which waits)",
-                  median));
-  log_warning("{}", run.warnings.back());
 }
 
 }  // namespace

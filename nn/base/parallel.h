@@ -23,6 +23,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -35,6 +36,17 @@ namespace penumbra {
 int thread_count();
 // For the loops of the calling thread alone; at least 1.
 void set_thread_count(int threads);
+// The same as long as this lives.
+class ThreadCountScope {
+ public:
+  explicit ThreadCountScope(int threads) : before_(thread_count()) { set_thread_count(threads); }
+  ThreadCountScope(const ThreadCountScope&) = delete;
+  ThreadCountScope& operator=(const ThreadCountScope&) = delete;
+  ~ThreadCountScope() { set_thread_count(before_); }
+
+ private:
+  const int before_;
+};
 
 // Leaves the processors to other threads where both want them: the calling thread gets a lower priority for
 // good, and its loops are shared with workers of that priority.
@@ -73,18 +85,19 @@ void parallel_pieces(std::int64_t count, std::int64_t grain, const Body& body) {
       &body);
 }
 
-// body(i) or body(i, slot) for 0..count-1.
-template <class Body>
-void parallel_for(std::int64_t count, std::int64_t grain, const Body& body) {
-  parallel_pieces(count, grain, [&body](std::int64_t first, std::int64_t end, [[maybe_unused]] int slot) {
-    for (std::int64_t i = first; i < end; ++i) {
-      if constexpr (std::is_invocable_v<const Body&, int, int>) {
-        body(static_cast<int>(i), slot);
-      } else {
-        body(i);
-      }
-    }
-  });
+// body(i) or body(i, slot) for 0..count-1, i of the count's type.
+template <std::integral Index, class Body>
+void parallel_for(Index count, std::int64_t grain, const Body& body) {
+  parallel_pieces(static_cast<std::int64_t>(count), grain,
+                  [&body](std::int64_t first, std::int64_t end, [[maybe_unused]] int slot) {
+                    for (auto i = static_cast<Index>(first); i < static_cast<Index>(end); ++i) {
+                      if constexpr (std::is_invocable_v<const Body&, Index, int>) {
+                        body(i, slot);
+                      } else {
+                        body(i);
+                      }
+                    }
+                  });
 }
 
 // body(i, j, ...) or body(i, j, ..., slot) for all indices below the extents, the last one fastest.

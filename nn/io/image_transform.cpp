@@ -50,8 +50,7 @@ FeatureMap transform_image(const ByteView& image, const ImageTransform& transfor
 
   const float scale_y = static_cast<float>(height) / static_cast<float>(result.height);
   const float scale_x = static_cast<float>(width) / static_cast<float>(result.width);
-  parallel_for(map.height(), grain_of(4 * map.row_stride()), [&](std::int64_t row_number) {
-    const int y = static_cast<int>(row_number);
+  parallel_for(map.height(), grain_of(4 * map.row_stride()), [&](int y) {
     float* out = map.pixel(0, 0, y, 0);
     if (y >= result.height) {
       std::fill_n(out, static_cast<std::ptrdiff_t>(map.width()) * kImageBlock, 0.0F);

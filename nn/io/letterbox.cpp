@@ -58,8 +58,7 @@ FeatureMap letterbox_image(const ByteView& image, const Letterbox& letterbox, Ar
       out[3] = 0.0F;
     }
   };
-  parallel_for(frame.map_height, grain_of(4 * map.row_stride()), [&](std::int64_t row_number) {
-    const int y = static_cast<int>(row_number);
+  parallel_for(frame.map_height, grain_of(4 * map.row_stride()), [&](int y) {
     float* out = map.pixel(0, 0, y, 0);
     if (y < frame.top || y >= frame.top + frame.height) {
       fill(out, frame.map_width);

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "nn/base/error.h"
+#include "nn/base/half.h"
 #include "nn/base/parallel.h"
-#include "nn/io/half.h"
 
 namespace penumbra::nn {
 

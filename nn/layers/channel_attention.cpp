@@ -48,8 +48,7 @@ void ChannelAttention::apply(FeatureMap& map, Arena& arena) const {
   ArenaVector<float> hidden(arena, static_cast<std::size_t>(reduce_.extent(0)));
   for (ArenaVector<float>* values : {&top, &mean, &gate, &hidden}) values->resize(values->capacity());
   for (int n = 0; n < map.images(); ++n) {
-    parallel_for(map.blocks(), grain_of(map.block_stride()), [&](std::int64_t block) {
-      const int b = static_cast<int>(block);
+    parallel_for(map.blocks(), grain_of(map.block_stride()), [&](int b) {
       float block_top[kBlock], block_sum[kBlock] = {};
       std::copy_n(map.pixel(n, b, 0, 0), kBlock, block_top);
       for (int y = 0; y < map.height(); ++y) {
@@ -74,8 +73,7 @@ void ChannelAttention::apply(FeatureMap& map, Arena& arena) const {
     add_mlp(reduce_, expand_, top.span(), hidden.span(), gates);
     add_mlp(reduce_, expand_, mean.span(), hidden.span(), gates);
     for (float& g : gates) g = sigmoid(g);
-    parallel_for(map.blocks(), grain_of(map.block_stride()), [&](std::int64_t block) {
-      const int b = static_cast<int>(block);
+    parallel_for(map.blocks(), grain_of(map.block_stride()), [&](int b) {
       const float* g = gate.data() + static_cast<std::ptrdiff_t>(b) * kBlock;
       for (int y = 0; y < map.height(); ++y) {
         for (int x = 0; x < map.width(); ++x) {

@@ -62,8 +62,7 @@ FeatureMap concat(std::span<const FeatureMap* const> maps, Arena& arena, int out
     channels += map->channels();
   }
   FeatureMap output(arena, first.batch(), channels, first.height(), first.width(), output_border);
-  parallel_for(output.images(), grain_of(output.image_stride()), [&](std::int64_t image) {
-    const int n = static_cast<int>(image);
+  parallel_for(output.images(), grain_of(output.image_stride()), [&](int n) {
     int start = 0;
     for (const FeatureMap* map : maps) {
       copy_channels(*map, 0, output, start, map->channels(), n);
@@ -80,9 +79,9 @@ FeatureMap slice_channels(const FeatureMap& map, int first, int count, Arena& ar
                      fmt::format("{} from {} on", count, first));
   }
   FeatureMap output(arena, map.batch(), count, map.height(), map.width(), output_border);
-  parallel_for(output.images(), grain_of(output.image_stride()), [&](std::int64_t n) {
-    copy_channels(map, first, output, 0, count, static_cast<int>(n));
-    clear_unused_lanes(output, static_cast<int>(n));
+  parallel_for(output.images(), grain_of(output.image_stride()), [&](int n) {
+    copy_channels(map, first, output, 0, count, n);
+    clear_unused_lanes(output, n);
   });
   return output;
 }

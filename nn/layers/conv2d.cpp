@@ -1,10 +1,10 @@
 #include "nn/layers/conv2d.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
+#include "nn/base/half.h"
 #include "nn/base/parallel.h"
 #include "nn/layers/direct_convolution.h"
 #include "nn/layers/narrow_maps.h"
@@ -13,15 +13,6 @@
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
-
-namespace {
-
-float rounded_to_bf16(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return std::bit_cast<float>((bits + 0x7FFFU + ((bits >> 16) & 1U)) & 0xFFFF0000U);
-}
-
-}  // namespace
 
 Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptions options, int input_block)
     : options_(options), input_block_(input_block) {
@@ -108,7 +99,7 @@ void Conv2d::pack_split_weights(const Tensor& weight, const std::vector<float>& 
     const std::ptrdiff_t output = static_cast<std::ptrdiff_t>(i) / count;
     float* const part = parts.data() + static_cast<std::ptrdiff_t>(i) + output * count;
     part[0] = weight.values[i];
-    part[count] = weight.values[i] - rounded_to_bf16(weight.values[i]);
+    part[count] = weight.values[i] - bf16_to_f32(f32_to_bf16(weight.values[i]));
   }
   WeightSource source{parts.data(), 2 * count, {}};
   for (int tap = 0; tap < taps; ++tap) {
@@ -233,33 +224,26 @@ void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, Feature
       }
     }
   }
+  ConvolutionCall call;
+  call.taps = taps.data();
+  call.stride = options_.stride;
+  call.padding = options_.padding;
+  call.activation = options_.activation;
+  call.slope = options_.slope;
+  call.input = &input;
+  call.residual = residual;
+  call.output = &output;
   if (on_tiles_) {
-    TileConvolution convolution;
+    TileConvolution convolution{call};
     convolution.weights = &groups_.front();
-    convolution.taps = taps.data();
-    convolution.stride = options_.stride;
-    convolution.padding = options_.padding;
-    convolution.activation = options_.activation;
-    convolution.slope = options_.slope;
-    convolution.input = &input;
-    convolution.residual = residual;
-    convolution.output = &output;
     convolve_on_tiles(convolution, arena);
     return;
   }
   const bool as_it_is = groups_.front().format().precision == Precision::f32;
   const ArenaBuffer converted = as_it_is ? ArenaBuffer() : convert(input, groups_.front().format(), arena);
-  DirectConvolution convolution;
+  DirectConvolution convolution{call};
   convolution.groups = groups_;
-  convolution.taps = taps.data();
-  convolution.stride = options_.stride;
-  convolution.padding = options_.padding;
-  convolution.activation = options_.activation;
-  convolution.slope = options_.slope;
-  convolution.input = &input;
   convolution.values = reinterpret_cast<const std::byte*>(as_it_is ? input.values() : converted.data());
-  convolution.residual = residual;
-  convolution.output = &output;
   const bool one_pixel = output.height() == 1 && output.width() == 1 && output.border() == 0;
   if (one_pixel && options_.groups == 1) {
     convolve_images(convolution);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "nn/base/ceil_div.h"
+#include "nn/base/half.h"
 #include "nn/base/parallel.h"
 
 namespace penumbra::nn {
@@ -67,7 +68,7 @@ PackedWeights::PackedWeights(int outputs, int taps, int depth, const WeightSourc
   std::vector<float> factor(padded, 1.0F);  // 1 / s_o
   if (format.precision == Precision::int8) {
     scale_.assign(padded, 0.0F);
-    parallel_for(outputs, grain_of(static_cast<std::int64_t>(row)), [&](std::int64_t channel) {
+    parallel_for(outputs, grain_of(static_cast<std::int64_t>(row)), [&](int channel) {
       const float* values = source.values + channel * source.output_stride;
       float largest = 0.0F;
       for (const std::ptrdiff_t offset : source.offsets) {
@@ -89,9 +90,9 @@ void PackedWeights::pack(const WeightSource& source, const std::vector<float>& f
                          std::vector<double>& sums) {
   const int width = kernels_->channels, group = channel_group(format_.precision);
   const int row = taps_ * depth_, padded = static_cast<int>(bias_.size());
-  parallel_for(tiles_, grain_of(std::int64_t{width} * row), [&](std::int64_t tile) {
+  parallel_for(tiles_, grain_of(std::int64_t{width} * row), [&](int tile) {
     float columns[kMostTileChannels][kColumns];
-    const int first = static_cast<int>(tile) * width, channels = std::min(width, padded - first);
+    const int first = tile * width, channels = std::min(width, padded - first);
     const int known = std::clamp(outputs_ - first, 0, channels);  // the others are 0
     std::fill_n(&columns[0][0], kMostTileChannels * kColumns, 0.0F);
     std::byte* const start = weights_.data() + static_cast<std::size_t>(first) *
@@ -114,7 +115,7 @@ void PackedWeights::pack(const WeightSource& source, const std::vector<float>& f
           std::uint16_t* out = reinterpret_cast<std::uint16_t*>(start) + place;
           for (int j = 0; j < count; j += group) {
             for (int o = 0; o < channels; ++o) {
-              for (int i = 0; i < group; ++i) *out++ = to_bf16(columns[o][j + i]);
+              for (int i = 0; i < group; ++i) *out++ = f32_to_bf16(columns[o][j + i]);
             }
           }
           break;

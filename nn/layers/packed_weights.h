@@ -8,7 +8,6 @@
 // that, -s s_o zero sum q_w, is part of the bias.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,12 +19,6 @@
 namespace penumbra::nn {
 
 constexpr int kMostTileChannels = 32;  // V of the widest tile
-
-// The nearest bf16; of two equally near, the one whose last bit is 0.
-inline std::uint16_t to_bf16(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return static_cast<std::uint16_t>((bits + 0x7FFFU + ((bits >> 16) & 1U)) >> 16);
-}
 
 // One tile's part of the packed weights and where its channels lie in a channel-blocked output.
 struct WeightTile {

@@ -55,7 +55,6 @@ struct Mean {
     const auto divisor = static_cast<float>(rows.divisor) * static_cast<float>(columns.divisor);
     for (int c = 0; c < kBlock; ++c) out[c] = sum[c] / divisor;
   }
-  static void reduce_narrow(const FeatureMap&, int, int, const Window&, const Window&, std::byte*) {}
 };
 
 // One Reduction a pixel of the output; rows(i) and columns(j) give its window.
@@ -70,11 +69,13 @@ FeatureMap pool(const FeatureMap& input, int height, int width, Arena& arena, in
   parallel_for({output.images(), output.blocks(), height}, grain_of(window_values), [&](int n, int b, int i) {
     const Window window = rows(i);
     for (int j = 0; j < width; ++j) {
-      if (narrow) {
-        Reduction::reduce_narrow(input, n, b, window, columns(j), output.line(n, b, i, j));
-      } else {
-        Reduction::reduce(input, n, b, window, columns(j), output.pixel(n, b, i, j));
+      if constexpr (std::is_same_v<Reduction, Maximum>) {
+        if (narrow) {
+          Maximum::reduce_narrow(input, n, b, window, columns(j), output.line(n, b, i, j));
+          continue;
+        }
       }
+      Reduction::reduce(input, n, b, window, columns(j), output.pixel(n, b, i, j));
     }
   });
   return output;

@@ -129,10 +129,10 @@ FeatureMap align(int channels, std::span<const Box> regions, RoiAlignOptions opt
   const auto axis_samples = static_cast<std::size_t>(options.size) * static_cast<std::size_t>(most_sampling);
   const ArenaVector<Reading> order = reading_order(regions, output.batch().capacity, arena, level_of);
   ArenaVector<AxisSample> scratch(arena, 2 * axis_samples * static_cast<std::size_t>(thread_count()));
-  parallel_for(static_cast<std::int64_t>(order.size()), 4, [&](int k, int slot) {
+  parallel_for(order.size(), 4, [&](std::size_t k, int slot) {
     AxisSample* own = scratch.data() + 2 * axis_samples * static_cast<std::size_t>(slot);
     Axis rows{0, own}, columns{0, own + axis_samples};
-    const auto& [r, level, top] = order[static_cast<std::size_t>(k)];
+    const auto& [r, level, top] = order[k];
     const Box& box = regions[r];
     sample_bins(box.y1 * level.scale, box.y2 * level.scale, options, level.map->height(), rows);
     sample_bins(box.x1 * level.scale, box.x2 * level.scale, options, level.map->width(), columns);

@@ -154,36 +154,37 @@ void convolve_on_tiles(const TileConvolution& c, Arena& arena) {
   const int tiles = c.weights->tiles();
   const int parts = static_cast<int>(std::clamp<std::int64_t>((wanted + patches - 1) / patches, 1, tiles));
 
-  parallel_for({images, row_patches, column_patches, parts}, 1,
-               [&](int n, int row_patch, int column_patch, int part) {
-                 std::array<TileSegment, kMostSegments> segments;
-                 std::size_t count = 0;
-                 const int end_row = std::min((row_patch + 1) * patch_rows, rows);
-                 const int first = column_patch * patch_segments;
-                 const int end = std::min(first + patch_segments, row_segments);
-                 // Whole segments first, so that tiles of one shape come one after the other.
-                 for (const bool whole : {true, false}) {
-                   for (int y = row_patch * patch_rows; y < end_row; ++y) {
-                     for (int s = first; s < end; ++s) {
-                       const int x = s * kTileRows, pixels = std::min(kTileRows, columns - x);
-                       if ((pixels == kTileRows) != whole) continue;
-                       TileSegment& segment = segments[count++];
-                       segment.input = in.line(n, y, x);
-                       segment.output = out.line(n, y, x);
-                       if (c.residual != nullptr) {
-                         segment.residual = c.residual->line(n, 0, y, 0) + x * common.residual.pixel_stride;
-                       }
-                       segment.pixels = pixels;
-                     }
-                   }
-                 }
-                 const int first_tile = tiles * part / parts, end_tile = tiles * (part + 1) / parts;
-                 TileUnitArguments a = common;
-                 a.segments = segments.data();
-                 a.segment_count = static_cast<int>(count);
-                 set_outputs(*c.weights, first_tile, end_tile, a);
-                 tile_unit()->multiply(a);
-               });
+  using Segments = std::array<TileSegment, kMostSegments>;
+  // Whole segments first, so that tiles of one shape come one after the other.
+  const auto collect = [&](int n, int row_patch, int column_patch, Segments& segments) {
+    std::size_t count = 0;
+    const int end_row = std::min((row_patch + 1) * patch_rows, rows);
+    const int first = column_patch * patch_segments, end = std::min(first + patch_segments, row_segments);
+    for (const bool whole : {true, false}) {
+      for (int y = row_patch * patch_rows; y < end_row; ++y) {
+        for (int s = first; s < end; ++s) {
+          const int x = s * kTileRows, pixels = std::min(kTileRows, columns - x);
+          if ((pixels == kTileRows) != whole) continue;
+          TileSegment& segment = segments[count++];
+          segment.input = in.line(n, y, x);
+          segment.output = out.line(n, y, x);
+          if (c.residual != nullptr)
+            segment.residual = c.residual->line(n, 0, y, 0) + x * common.residual.pixel_stride;
+          segment.pixels = pixels;
+        }
+      }
+    }
+    return static_cast<int>(count);
+  };
+  const int extents[] = {images, row_patches, column_patches, parts};
+  parallel_for(extents, 1, [&](int n, int row_patch, int column_patch, int part) {
+    Segments segments;
+    TileUnitArguments a = common;
+    a.segment_count = collect(n, row_patch, column_patch, segments);
+    a.segments = segments.data();
+    set_outputs(*c.weights, tiles * part / parts, tiles * (part + 1) / parts, a);
+    tile_unit()->multiply(a);
+  });
 }
 
 }  // namespace penumbra::nn

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "nn/base/ceil_div.h"
+#include "nn/base/half.h"
 #include "nn/base/parallel.h"
 #include "nn/tensor/arena_vector.h"
 
@@ -69,8 +70,8 @@ Winograd::Winograd(const Tensor& weight, const std::vector<float>& bias, Precisi
   layout_ = PackedWeights(outputs, input_blocks_, kBlock, NumberFormat{precision, {}, nullptr});
   const std::size_t row = static_cast<std::size_t>(input_blocks_) * kBlock * kWinogradKernel;  // of an output
   kernels_ = WeightMemory(bias_.size() * row * sizeof(float));
-  parallel_for(layout_.tiles(), 1, [&](std::int64_t t) {
-    const int first = static_cast<int>(t) * layout_.tile_channels();
+  parallel_for(layout_.tiles(), 1, [&](int t) {
+    const int first = t * layout_.tile_channels();
     const int width = std::min(layout_.tile_channels(), static_cast<int>(bias_.size()) - first);
     float* out = reinterpret_cast<float*>(kernels_.data()) + static_cast<std::size_t>(first) * row;
     std::fill_n(out, row * static_cast<std::size_t>(width), 0.0F);
@@ -93,16 +94,13 @@ ArenaBuffer Winograd::prepare(Arena& arena) const {
   const bool rounded = layout_.format().precision != Precision::f32;
   parallel_for({layout_.tiles(), input_blocks_}, 1, [&](int t, int tap) {
     const WeightTile tile = layout_.tile(t, start);
-    WinogradWeightArguments a;
-    a.channels = tile.channels;
-    a.input = reinterpret_cast<const float*>(kernels_.data()) +
-              (static_cast<std::ptrdiff_t>(t) * layout_.tile_channels() * input_blocks_ +
-               static_cast<std::ptrdiff_t>(tap) * tile.channels) *
-                  kBlock * kWinogradKernel;
-    // The tile's part of position 0, in numbers from the start.
+    // The tile's part of a position, in numbers from its start; of the kernels nine times as far.
     const std::ptrdiff_t place = (static_cast<std::ptrdiff_t>(t) * layout_.tile_channels() * input_blocks_ +
                                   static_cast<std::ptrdiff_t>(tap) * tile.channels) *
                                  kBlock;
+    WinogradWeightArguments a;
+    a.channels = tile.channels;
+    a.input = reinterpret_cast<const float*>(kernels_.data()) + place * kWinogradKernel;
     if (!rounded) {
       a.output = prepared.data() + place;
       a.position_stride = static_cast<std::ptrdiff_t>(stride / sizeof(float));
@@ -111,7 +109,6 @@ ArenaBuffer Winograd::prepare(Arena& arena) const {
     }
     // Pairs of channels side by side, as layout_ has them in bf16.
     float pair[kWinogradPositions][2][kMostTileChannels];
-    a.output = &pair[0][0][0];
     a.position_stride = 2 * kMostTileChannels;
     a.count = 1;
     for (int c = 0; c < kBlock; c += 2) {
@@ -123,8 +120,8 @@ ArenaBuffer Winograd::prepare(Arena& arena) const {
         auto* out = reinterpret_cast<std::uint16_t*>(start + static_cast<std::size_t>(k) * stride) + place +
                     c * tile.channels;
         for (int o = 0; o < tile.channels; ++o) {
-          out[2 * o] = to_bf16(pair[k][0][o]);
-          out[2 * o + 1] = to_bf16(pair[k][1][o]);
+          out[2 * o] = f32_to_bf16(pair[k][0][o]);
+          out[2 * o + 1] = f32_to_bf16(pair[k][1][o]);
         }
       }
     }
@@ -197,11 +194,9 @@ void Winograd::operator()(const FeatureMap& input, int padding, Activation activ
   work.products = work.inputs + input_floats;
   for (int block = 0; block < blocks; ++block) {
     const int first = block * work.block_tiles, count = block_size(block);
-    parallel_for(input_blocks_, 1,
-                 [&](std::int64_t b) { transform_inputs(work, first, count, static_cast<int>(b)); });
+    parallel_for(input_blocks_, 1, [&](int b) { transform_inputs(work, first, count, b); });
     parallel_for(kWinogradPositions, 1, [&](int k, int slot) { multiply(work, count, k, slot); });
-    parallel_for(output_blocks_, 1,
-                 [&](std::int64_t b) { transform_outputs(work, first, count, static_cast<int>(b)); });
+    parallel_for(output_blocks_, 1, [&](int b) { transform_outputs(work, first, count, b); });
   }
 }
 

@@ -80,8 +80,7 @@ void MaskHead::predict(std::span<const PyramidLevel> pyramid, std::span<const Sc
   const int size = mask_size();
   const std::size_t start = probabilities.size();
   probabilities.resize(start + detections.size() * static_cast<std::size_t>(size * size));
-  parallel_for(static_cast<std::int64_t>(detections.size()), 1, [&](std::int64_t number) {
-    const auto d = static_cast<std::size_t>(number);
+  parallel_for(detections.size(), 1, [&](std::size_t d) {
     const auto label = static_cast<std::size_t>(detections[d].label);
     const float* weight =
         logit_weight_.values.data() + label * static_cast<std::size_t>(logit_weight_.extent(1));

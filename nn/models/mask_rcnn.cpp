@@ -115,8 +115,7 @@ void MaskRcnn::detect(const ByteView& image, Arena& arena, std::vector<Detection
   const float ratio_y = static_cast<float>(image.height) / static_cast<float>(extent.height);
   const int size = mask_head_.mask_size();
   detections.resize(boxes.size());
-  parallel_for(static_cast<std::int64_t>(boxes.size()), 1, [&](std::int64_t number) {
-    const auto d = static_cast<std::size_t>(number);
+  parallel_for(boxes.size(), 1, [&](std::size_t d) {
     const Box& box = boxes[d].box;
     Detection& detection = detections[d];
     detection.box = {box.x1 * ratio_x, box.y1 * ratio_y, box.x2 * ratio_x, box.y2 * ratio_y};

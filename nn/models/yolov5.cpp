@@ -64,8 +64,7 @@ void Yolov5::detect(const ByteView& image, Arena& arena, std::vector<Detection>&
   const ArenaBuffer scratch =  // of each thread
       arena.allocate(static_cast<std::size_t>(thread_count()) * prototype_pixels);
   detections.resize(candidates.size());
-  parallel_for(static_cast<std::int64_t>(candidates.size()), 1, [&](int number, int slot) {
-    const auto d = static_cast<std::size_t>(number);
+  parallel_for(candidates.size(), 1, [&](std::size_t d, int slot) {
     const Yolov5Candidate& candidate = candidates[d];
     const Box& box = candidate.box;
     Detection& detection = detections[d];

@@ -5,10 +5,11 @@
 // line of 32 bf16 or 64 8-bit channels) by a tile of weights (those channels by 16 outputs) and adds the
 // products to a tile of sums (16 pixels by 16 outputs):
 //
-//   TDPBF16PS   sums in f32; each of an instruction's even products and of its odd ones is added up by
-//   itself,
-//               from 0; both are added, then to the sum. Denormal numbers count as 0.
-//   TDPBUSD     sums in 32-bit whole numbers: exact
+//   TDPBF16PS
+//     Sums in f32. An instruction's even products are added up by themselves, from 0, and so are its odd
+//     ones; both are added, then to the sum. Denormal numbers count as 0.
+//   TDPBUSD
+//     Sums in 32-bit whole numbers: exact.
 //
 // There are two of everything here: `amx` runs the processor's instructions, `amx_emulated` computes what
 // they would, bit for bit, on any processor with AVX2 and FMA. The kernels around them are the same source.

@@ -1,10 +1,10 @@
 // Memory for activations: one block, planned from the schedule of a forward pass.
 //
 // The order in which a network asks for buffers and gives them back is the same whenever the shape of its
-// input is. So the first pass of a shape is recorded, each buffer in the first gap of a block that grows as
-// it must (so that memory which was touched serves again); from its steps memory_plan.h gives each buffer an
-// offset in that block; the later passes of the shape replay the plan: the k-th step is checked against the
-// k-th one recorded, a buffer is the block plus its offset, and nothing is allocated.
+// input is. So the first pass of a shape is recorded, each buffer in a piece of memory of its own or in one
+// that another has left (memory that was touched serves again); from its steps memory_plan.h gives each
+// buffer an offset in that block; the later passes of the shape replay the plan: the k-th step is checked
+// against the k-th one recorded, a buffer is the block plus its offset, and nothing is allocated.
 //
 //   Arena::Pass pass(arena, this, height, width);   // begins: replay where a plan is known, else record
 //   FeatureMap y = conv(x, arena);                  // allocate and release are the steps

@@ -101,8 +101,7 @@ DenseScore DenseTruth::score(const DenseCloud& map, const Similarity& truth_from
     places[i] = (truth_from_map * p.cast<double>()).cast<float>();
     moved.add({.place = places[i], .weight = 1.0F, .colour = Eigen::Vector3f::Zero()}, 1);
   }
-  parallel_for(static_cast<std::int64_t>(places.size()), 1024, [&](std::int64_t number) {
-    const auto i = static_cast<std::size_t>(number);
+  parallel_for(places.size(), 1024, [&](std::size_t i) {
     const Nearest standing = nearest_to(standing_, places[i], kFarthestNeighbour);
     errors[i] = standing.distance;
     distances[i] = standing.voxel == nullptr ? 0.0 : standing.voxel->colour[0];
@@ -118,8 +117,8 @@ DenseScore DenseTruth::score(const DenseCloud& map, const Similarity& truth_from
   }
   const std::vector<Voxel>& truth = standing_.voxels();
   std::atomic<std::size_t> measured{0}, found{0};
-  parallel_for(static_cast<std::int64_t>(truth.size()), 1024, [&](std::int64_t number) {
-    const Voxel& voxel = truth[static_cast<std::size_t>(number)];
+  parallel_for(truth.size(), 1024, [&](std::size_t i) {
+    const Voxel& voxel = truth[i];
     if (voxel.class_id != 1) return;
     ++measured;
     if (nearest_to(moved, voxel.place, kNear).voxel != nullptr) ++found;

@@ -46,11 +46,8 @@ Trajectory Recorder::trajectory() const {
   const std::shared_lock lock(slam_.map().mutex());
   Trajectory trajectory;
   trajectory.reserve(results_.size());
-  for (const FrameResult& result : results_) {
-    SE3 T_cw = result.place.T_cw();
-    T_cw.normalize();
-    trajectory.push_back({result.timestamp, T_cw.inverse()});
-  }
+  for (const FrameResult& result : results_)
+    trajectory.push_back({result.timestamp, result.place.T_wc()});
   return trajectory;
 }
 

@@ -94,6 +94,12 @@ Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settin
   }
 }
 
+SE3 FramePlace::T_wc() const {
+  SE3 T = T_cw();
+  T.normalize();
+  return T.inverse();
+}
+
 void Slam::keep_pace(double timestamp) {
   if (settings_.semantics.keeps_pace) segmentation_.keep_pace(timestamp - segmented_time_);
 }

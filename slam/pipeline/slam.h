@@ -46,6 +46,8 @@ struct FramePlace {
 
   // As the map now sees it. Needs the map's lock shared.
   SE3 T_cw() const { return reference == nullptr ? SE3{} : T_c_reference * current_pose(*reference); }
+  // The same for who keeps it: a proper rotation, however long the chain of products was.
+  SE3 T_wc() const;
 };
 
 // What a keyframe showed of the objects that are known.

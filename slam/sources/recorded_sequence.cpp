@@ -11,6 +11,7 @@
 #include "nn/image/exif.h"
 #include "slam/geometry/association.h"
 #include "slam/sources/camera_check.h"
+#include "slam/sources/depth_levels.h"
 #include "slam/sources/image_levels.h"
 #include "slam/sources/row_check.h"
 
@@ -68,10 +69,7 @@ class RecordedSequence final : public StereoDataset {
     } else {
       const WordImage levels = r_.left.nearest(checked(nn::read_depth_image(f.second), f.second));
       images.depth_delay = f.depth_delay;
-      images.depth.create(levels.width(), levels.height());
-      const auto metres = static_cast<float>(1.0 / r_.depth_factor);  // a level
-      std::transform(levels.data(), levels.data() + levels.elements(), images.depth.data(),
-                     [metres](std::uint16_t level) { return static_cast<float>(level) * metres; });
+      images.depth = metres_of(levels, r_.depth_factor);
     }
     return images;
   }

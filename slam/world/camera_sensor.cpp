@@ -103,8 +103,7 @@ float automatic_exposure(const Image<Colour>& radiance, double time, float chang
 
 void develop_grey(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& grey) {
   grey.create(radiance.width(), radiance.height());
-  parallel_for(radiance.height(), 8, [&](std::int64_t row_number) {
-    const int row = static_cast<int>(row_number);
+  parallel_for(radiance.height(), 8, [&](int row) {
     for (int column = 0; column < radiance.width(); ++column) {
       const Colour& light = radiance.at(column, row);
       const auto pixel = static_cast<std::uint32_t>(row * radiance.width() + column);
@@ -118,8 +117,7 @@ void develop_grey(const Image<Colour>& radiance, const SensorSettings& settings,
 
 void develop_bgr(const Image<Colour>& radiance, const SensorSettings& settings, ByteImage& bgr) {
   bgr.create(radiance.width(), radiance.height(), 3);
-  parallel_for(radiance.height(), 8, [&](std::int64_t row_number) {
-    const int row = static_cast<int>(row_number);
+  parallel_for(radiance.height(), 8, [&](int row) {
     for (int column = 0; column < radiance.width(); ++column) {
       const Colour& light = radiance.at(column, row);
       const auto pixel = static_cast<std::uint32_t>(row * radiance.width() + column);

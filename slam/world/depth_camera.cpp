@@ -124,8 +124,7 @@ void DepthCamera::displace_edges(const FloatImage& truth, int number) {
   seen_.create(truth.width(), truth.height());
   const float fb = settings_.focal_baseline, reach = settings_.wobble;
   const int width = truth.width(), height = truth.height();
-  parallel_for(height, 8, [&](std::int64_t row_number) {
-    const int row = static_cast<int>(row_number);
+  parallel_for(height, 8, [&](int row) {
     const int above = std::max(0, row - 2), below = std::min(height - 1, row + 2);
     for (int column = 0; column < width; ++column) {
       float& seen = seen_.at(column, row) = truth.at(column, row);
@@ -227,8 +226,7 @@ void DepthCamera::sense(const FloatImage& truth, const ByteImage& bgr, int numbe
             top = scaled(settings_.band_top, scale_y),
             bottom = size.height - scaled(settings_.band_bottom, scale_y);
   const float fb = settings_.focal_baseline;
-  parallel_for(size.height, 8, [&](std::int64_t row_number) {
-    const int row = static_cast<int>(row_number);
+  parallel_for(size.height, 8, [&](int row) {
     float* sensed = &depth.at(0, row);
     const float* z = &seen_.at(0, row);
     for (int column = 0; column < size.width; ++column) {

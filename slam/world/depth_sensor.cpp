@@ -34,8 +34,7 @@ void cast_projector_shadow(const RenderedView& view, const StereoCamera& camera,
 void sense_depth(const RenderedView& view, const StereoCamera& camera, std::uint32_t seed,
                  FloatImage& depth) {
   depth.create(view.depth.width(), view.depth.height());
-  parallel_for(depth.height(), 8, [&](std::int64_t row_number) {
-    const int row = static_cast<int>(row_number);
+  parallel_for(depth.height(), 8, [&](int row) {
     for (int column = 0; column < depth.width(); ++column) {
       const float z = view.depth.at(column, row);
       float& sensed = depth.at(column, row) = 0.0F;

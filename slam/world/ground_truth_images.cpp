@@ -45,8 +45,7 @@ FlowImage optical_flow(const World& world, const StereoCamera& camera, const Ren
     moving[static_cast<std::int32_t>(i)] = next_from_world * after * before.inverse() * now.T_wc;
   }
   FlowImage flow(view.depth.width(), view.depth.height());
-  parallel_for(flow.height(), 8, [&](std::int64_t row_number) {
-    const int row = static_cast<int>(row_number);
+  parallel_for(flow.height(), 8, [&](int row) {
     for (int column = 0; column < flow.width(); ++column) {
       const float z = view.depth.at(column, row);
       std::array<float, 3>& result = flow.at(column, row) = {0.0F, 0.0F, 0.0F};

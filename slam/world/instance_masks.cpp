@@ -82,10 +82,7 @@ std::vector<InstanceMasks> find_instances(const FrameGeometry& geometry, const R
   std::vector<const std::vector<int>*> lists;
   for (const auto& [instance, numbers] : parts) lists.push_back(&numbers);
   std::vector<InstanceMasks> instances(lists.size());
-  parallel_for(static_cast<std::int64_t>(lists.size()), 1, [&](std::int64_t i) {
-    const auto k = static_cast<std::size_t>(i);
-    instances[k] = masks_of(geometry, *lists[k], view);
-  });
+  parallel_for(lists.size(), 1, [&](std::size_t k) { instances[k] = masks_of(geometry, *lists[k], view); });
   std::erase_if(instances, [](const InstanceMasks& masks) { return masks.whole_area == 0; });
   return instances;
 }

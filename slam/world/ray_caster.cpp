@@ -31,8 +31,8 @@ void RayCaster::render_tiles(int first, int end, RenderedView& view) {
   surfaces_.create(camera.width, camera.height);
   if (view.wants_reflectance) view.reflectance.create(camera.width, camera.height);
   if (view.wants_objects) view.object.create(camera.width, camera.height);
-  parallel_for(end - first, 1, [&](std::int64_t i) { find_surfaces(first + static_cast<int>(i), view); });
-  parallel_for(end - first, 1, [&](std::int64_t i) { colour(first + static_cast<int>(i), view); });
+  parallel_for(end - first, 1, [&](int i) { find_surfaces(first + i, view); });
+  parallel_for(end - first, 1, [&](int i) { colour(first + i, view); });
 }
 
 void RayCaster::find_surfaces(int tile, RenderedView& view) {

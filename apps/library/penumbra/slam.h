@@ -73,8 +73,8 @@ struct SlamOptions {
   bool deterministic = false;
   std::string weights = {};  // of the network that finds what may move; empty: geometry alone
   // How masks are made of what the network finds: "masks" (its own), and with depth "boxes",
-  // "depth-clusters", "static-points".
-  std::string dynamics = "masks";
+  // "depth-clusters", "static-points". Empty: as the settings say, "masks" by default.
+  std::string dynamics = {};
   std::string map = {};   // to begin with; empty: a new one
   bool localise = false;  // only find the way in that map
   // Keeps each frame's place for trajectory(), some 100 bytes a frame.

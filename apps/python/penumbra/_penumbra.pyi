@@ -63,7 +63,7 @@ class Slam:
         threads: int = 0,
         deterministic: bool = False,
         weights: str = "",
-        dynamics: str = "masks",
+        dynamics: str = "",
         map: str = "",
         localise: bool = False,
     ) -> None: ...

@@ -42,10 +42,10 @@ GridCode train_grid_code(const GridTrainingSettings& settings, bool untrained) {
   const HeadDirectionRing ring = HeadDirectionRing::trained(settings.ring, settings.seed);
   GridCode code{ring.weights(), settings.rule, {}};
   code.modules.resize(static_cast<std::size_t>(settings.modules));
-  parallel_for(settings.modules, 1, [&](std::int64_t m) {
+  parallel_for(settings.modules, 1, [&](int m) {
     const Eigen::VectorXd start =
         Oscillators::random_start(ring.directions(), settings.seed + static_cast<std::uint64_t>(m));
-    const Lahn network = train_grid_network(used, ring, start, static_cast<int>(m));
+    const Lahn network = train_grid_network(used, ring, start, m);
     if (!network.finite()) throw Error("grid cells: the weights are no longer finite numbers");
     code.modules[static_cast<std::size_t>(m)] = {settings.wavelength, start, network.forward()};
   });

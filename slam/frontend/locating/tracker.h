@@ -90,8 +90,9 @@ class Tracker {
   // Locates `frame` (what was measured is given): fills what the tracker adds (frame.h).
   TrackingReport track(Frame& frame, const SecondLook& second_look = {});
 
-  // What is known from elsewhere, as from wheels, of the motion from the frame before to the next one to be
-  // tracked: T_next_before. It takes the place of the predicted motion; nothing goes back to predicting.
+  // Tells the motion T_next_before from the frame before to the next one to be tracked, where something else
+  // measures it, such as wheels. The tracker takes it in place of its prediction; without a value the tracker
+  // predicts.
   void expect(const std::optional<SE3>& step) { told_step_ = step; }
   // Motion that is expected between the frame before and one at `time`.
   SE3 predicted_step(double time) const { return predicted(time) * previous_T_cw_.inverse(); }
@@ -146,13 +147,13 @@ class Tracker {
   KeyFrame* reference_ = nullptr;    // the keyframe that shares the most points with the last frame
   double keyframe_time_ = std::numeric_limits<double>::lowest();  // seconds; of the newest keyframe
   SharpnessTest sharpness_;
-  int blurred_candidates_ = 0;  // in a row
-  int lost_with_view_ = 0;      // lost frames in a row that showed enough to begin a map
-  std::optional<SE3> told_step_;
-  std::optional<SE3> step_;   // since the frame before, as the rim of the view tells it
-  RimView rim_, rim_before_;  // of this frame, and of the one before
-  int unmeasured_ = 0;        // frames since the motion was measured last
-  int steps_ = 0;             // frames in a row that share points with one that was not located
+  int blurred_candidates_ = 0;    // in a row
+  int lost_with_view_ = 0;        // lost frames in a row that showed enough to begin a map
+  std::optional<SE3> told_step_;  // from the frame before to the next one, see expect()
+  std::optional<SE3> step_;       // since the frame before, as the rim of the view tells it
+  RimView rim_, rim_before_;      // of this frame, and of the one before
+  int unmeasured_ = 0;            // frames since the motion was measured last
+  int steps_ = 0;                 // frames in a row that share points with one that was not located
 };
 
 }  // namespace penumbra::slam

@@ -78,8 +78,7 @@ float nearest_depth(const DenseView& view, int column, int row) {
 
 FloatImage nearest_depths(const DenseView& view) {
   FloatImage nearest(view.depth.width(), view.depth.height());
-  parallel_for(nearest.height(), 8, [&](std::int64_t number) {
-    const int row = static_cast<int>(number);
+  parallel_for(nearest.height(), 8, [&](int row) {
     for (int column = 0; column < nearest.width(); ++column)
       nearest.at(column, row) = nearest_depth(view, column, row);
   });

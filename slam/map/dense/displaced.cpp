@@ -142,8 +142,7 @@ std::vector<char> find_displaced(std::span<const ShownThing> things, int step,
     for (std::size_t at = 0; at < asked.size(); ++at)
       of_view[asked[at]].push_back({questions.size() - 1, at});
   }
-  parallel_for(static_cast<std::int64_t>(views.size()), 1, [&](std::int64_t number) {
-    const auto i = static_cast<std::size_t>(number);
+  parallel_for(views.size(), 1, [&](std::size_t i) {
     if (of_view[i].empty()) return;
     const FloatImage nearest = nearest_depths(*views[i].view);
     for (const Place& place : of_view[i]) {

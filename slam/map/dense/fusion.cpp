@@ -49,8 +49,8 @@ void look_through(const PosedView& posed, const FusionSettings& settings, VoxelG
   const auto noise = static_cast<float>(settings.depth_noise);
   const float slack = 2.0F * static_cast<float>(settings.voxel);
   std::vector<Voxel>& voxels = grid.voxels();
-  parallel_for(static_cast<std::int64_t>(voxels.size()), 2048, [&](std::int64_t number) {
-    Voxel& voxel = voxels[static_cast<std::size_t>(number)];
+  parallel_for(voxels.size(), 2048, [&](std::size_t i) {
+    Voxel& voxel = voxels[i];
     const Eigen::Vector3f p = rotation * voxel.place + translation;
     if (p.z() < 0.1F) return;
     const float u = fx * p.x() / p.z() + cx + 0.5F, v = fy * p.y() / p.z() + cy + 0.5F;

@@ -55,7 +55,7 @@ void check(const Case& shape, Precision precision) {
       if (precision == Precision::f32) {
         ASSERT_EQ(reinterpret_cast<const float*>(tile.weights)[place], weight(k)) << o << " " << k;
       } else if (precision == Precision::bf16) {
-        ASSERT_EQ(reinterpret_cast<const std::uint16_t*>(tile.weights)[place], to_bf16(weight(k)));
+        ASSERT_EQ(reinterpret_cast<const std::uint16_t*>(tile.weights)[place], f32_to_bf16(weight(k)));
       } else {
         const double whole = largest > 0.0F ? std::nearbyint(weight(k) * (127.0F / largest)) : 0.0;
         ASSERT_EQ(reinterpret_cast<const std::int8_t*>(tile.weights)[place], whole) << o << " " << k;

@@ -124,6 +124,12 @@ InstanceTrackerSettings masks_only() {
   return settings;
 }
 
+InstanceTrackerSettings by_class_alone() {
+  InstanceTrackerSettings settings = masks_only();
+  settings.check_motion = false;
+  return settings;
+}
+
 TEST(InstanceTracker, SeesThatAParkedCarStands) {
   Drive drive(0.0, masks_only());
   drive.to(6);
@@ -152,9 +158,7 @@ TEST(InstanceTracker, SeesThatACarMovesAndCarriesItsMask) {
 }
 
 TEST(InstanceTracker, ByClassAloneEverythingThatCanMoveIsLeftOut) {
-  InstanceTrackerSettings settings = masks_only();
-  settings.check_motion = false;
-  Drive drive(0.0, settings);
+  Drive drive(0.0, by_class_alone());
   drive.to(6);
   drive.tracker.add(5, {drive.street.instance(5, "car")});
   drive.to(7);
@@ -162,9 +166,7 @@ TEST(InstanceTracker, ByClassAloneEverythingThatCanMoveIsLeftOut) {
 }
 
 TEST(InstanceTracker, ByClassAloneABetterViewDecidesWhatItIs) {
-  InstanceTrackerSettings settings = masks_only();
-  settings.check_motion = false;
-  Drive drive(0.0, settings);
+  Drive drive(0.0, by_class_alone());
   Instance first = drive.street.instance(5, "car");
   first.score = 0.6F;
   drive.to(6);
@@ -178,9 +180,7 @@ TEST(InstanceTracker, ByClassAloneABetterViewDecidesWhatItIs) {
 }
 
 TEST(InstanceTracker, ByClassAloneSomebodyBeforeAChairIsLeftOut) {
-  InstanceTrackerSettings settings = masks_only();
-  settings.check_motion = false;
-  Drive drive(0.0, settings);
+  Drive drive(0.0, by_class_alone());
   drive.to(6);
   drive.tracker.add(5, {drive.street.instance(5, "chair")});
   drive.to(7);

@@ -1,4 +1,4 @@
-// Conversions between f32 and the two 16-bit floating-point formats that checkpoints use.
+// Conversions between f32 and the two 16-bit floating-point formats.
 //
 //   f16  (IEEE 754 binary16): 1 sign, 5 exponent, 10 fraction bits        bf16: the upper 16 bits of an f32
 //
@@ -10,6 +10,12 @@
 #include <cstdint>
 
 namespace penumbra::nn {
+
+// Of a finite number.
+inline std::uint16_t f32_to_bf16(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return static_cast<std::uint16_t>((bits + 0x7FFFU + ((bits >> 16) & 1U)) >> 16);
+}
 
 inline float bf16_to_f32(std::uint16_t bits) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 16);

@@ -1,4 +1,4 @@
-#include "nn/io/half.h"
+#include "nn/base/half.h"
 
 #include <gtest/gtest.h>
 
