@@ -31,24 +31,25 @@ SE3 align_triangles(const std::array<Eigen::Vector3d, 3>& world,
 
 }  // namespace
 
-std::vector<double> real_roots(const std::vector<double>& coefficients) {
+ShortList<double, 4> real_roots(const std::array<double, 5>& coefficients) {
   double largest = 0.0;
   for (const double c : coefficients) largest = std::max(largest, std::abs(c));
   if (!std::isfinite(largest) || largest == 0.0) return {};
-  int degree = static_cast<int>(coefficients.size()) - 1;
+  int degree = 4;
   const auto c = [&](int i) { return coefficients[static_cast<std::size_t>(i)]; };
   while (degree > 0 && std::abs(c(degree)) < 1e-14 * largest) --degree;
   if (degree < 1) return {};
 
-  // The roots are the eigenvalues of the companion matrix.
-  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
+  // The roots are the eigenvalues of the companion matrix, which lies on the stack.
+  using Companion = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 4, 4>;
+  Companion companion = Companion::Zero(degree, degree);
   for (int i = 0; i < degree; ++i) {
     companion(i, degree - 1) = -c(i) / c(degree);
     if (i > 0) companion(i, i - 1) = 1.0;
   }
-  const Eigen::EigenSolver<Eigen::MatrixXd> eigen(companion, false);
+  const Eigen::EigenSolver<Companion> eigen(companion, false);
   if (eigen.info() != Eigen::Success) return {};
-  std::vector<double> roots;
+  ShortList<double, 4> roots;
   for (int i = 0; i < degree; ++i) {
     const std::complex<double> z = eigen.eigenvalues()[i];
     // A double root comes out as a pair whose imaginary part is about the square root of the rounding error.
@@ -69,8 +70,8 @@ std::vector<double> real_roots(const std::vector<double>& coefficients) {
   return roots;
 }
 
-std::vector<SE3> solve_p3p(const std::array<Eigen::Vector3d, 3>& points,
-                           const std::array<Eigen::Vector3d, 3>& rays) {
+ShortList<SE3, 4> solve_p3p(const std::array<Eigen::Vector3d, 3>& points,
+                            const std::array<Eigen::Vector3d, 3>& rays) {
   const double a2 = (points[1] - points[2]).squaredNorm(), b2 = (points[0] - points[2]).squaredNorm(),
                c2 = (points[0] - points[1]).squaredNorm();
   const double area = (points[1] - points[0]).cross(points[2] - points[0]).norm();
@@ -79,7 +80,7 @@ std::vector<SE3> solve_p3p(const std::array<Eigen::Vector3d, 3>& points,
   if (std::max({cos_a, cos_b, cos_c}) > 1.0 - 1e-12) return {};
 
   const double m = (a2 - c2) / b2, p = (a2 + c2) / b2, cb = c2 / b2, ab = a2 / b2;
-  const std::vector<double> quartic = {
+  const std::array<double, 5> quartic = {
       (1.0 + m) * (1.0 + m) - 4.0 * ab * cos_c * cos_c,
       4.0 * (-m * (1.0 + m) * cos_b + 2.0 * ab * cos_c * cos_c * cos_b - (1.0 - p) * cos_a * cos_c),
       2.0 * (m * m - 1.0 + 2.0 * m * m * cos_b * cos_b + 2.0 * (1.0 - cb) * cos_a * cos_a -
@@ -87,7 +88,7 @@ std::vector<SE3> solve_p3p(const std::array<Eigen::Vector3d, 3>& points,
       4.0 * (m * (1.0 - m) * cos_b - (1.0 - p) * cos_a * cos_c + 2.0 * cb * cos_a * cos_a * cos_b),
       (m - 1.0) * (m - 1.0) - 4.0 * cb * cos_a * cos_a};
 
-  std::vector<SE3> poses;
+  ShortList<SE3, 4> poses;
   for (const double v : real_roots(quartic)) {
     const double denominator = 2.0 * (cos_c - v * cos_a);
     if (v <= 0.0 || std::abs(denominator) < 1e-12) continue;

@@ -11,18 +11,18 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <vector>
 
+#include "nn/base/short_list.h"
 #include "slam/geometry/se3.h"
 
 namespace penumbra::slam {
 
 // `points`: in the world; `rays`: unit vectors in the camera's frame. Returns up to four poses T_cw; none for
 // points on one line or rays that coincide.
-std::vector<SE3> solve_p3p(const std::array<Eigen::Vector3d, 3>& points,
-                           const std::array<Eigen::Vector3d, 3>& rays);
+ShortList<SE3, 4> solve_p3p(const std::array<Eigen::Vector3d, 3>& points,
+                            const std::array<Eigen::Vector3d, 3>& rays);
 
-// Real roots of c[0] + c[1] x + ... + c[n] x^n, polished by Newton's method; leading zeros are allowed.
-std::vector<double> real_roots(const std::vector<double>& coefficients);
+// Real roots of c[0] + c[1] x + ... + c[4] x^4, polished by Newton's method; leading zeros are allowed.
+ShortList<double, 4> real_roots(const std::array<double, 5>& coefficients);
 
 }  // namespace penumbra::slam

@@ -32,6 +32,7 @@ class Problem {
   Problem(const StereoCamera& camera, std::span<const PoseObservation> observations,
           const std::optional<PosePrior>& prior)
       : camera_(camera), observations_(observations), prior_(prior), inlier_(observations.size(), 1) {
+    usable_.reserve(observations.size());
     for (std::size_t i = 0; i < observations.size(); ++i) {
       const PoseObservation& o = observations[i];
       usable_.push_back(o.point.allFinite() && o.measurement.pixel.allFinite());

@@ -63,6 +63,8 @@ std::vector<Match> match_projections(std::span<const Projection> projections, co
   std::vector<int> owner(static_cast<std::size_t>(frame.size()), -1);  // feature -> index of its match
   std::vector<Match> candidates;
   std::vector<float> turns;
+  candidates.reserve(projections.size());
+  turns.reserve(projections.size());
   for (const Projection& p : projections) {
     const float radius = settings.radius * static_cast<float>(scales[std::size_t(p.level)]);
     int distance = 0;

@@ -49,6 +49,7 @@ double quantile(std::vector<double>& values, double q) {
 std::vector<char> fullest_bins(const Histogram& h) {
   const int most = *std::max_element(h.counts.begin(), h.counts.end());
   std::vector<char> keep;
+  keep.reserve(h.counts.size());
   for (const int y : h.counts) keep.push_back(y >= most);
   return keep;
 }
@@ -61,6 +62,7 @@ std::vector<char> dense_bins(const Histogram& h, double share) {
   }
   const double threshold = share * *std::max_element(density.begin(), density.end());
   std::vector<char> keep;
+  keep.reserve(density.size());
   for (const double d : density) keep.push_back(d >= threshold);
   return keep;
 }
@@ -71,6 +73,7 @@ double distance_moved(const MatchedPixels& pair) { return (pair.first - pair.sec
 MismatchFilterReport vote(std::vector<double> distances, MismatchFilterMode mode,
                           const MismatchFilterSettings& settings, std::vector<char>& keep) {
   std::vector<double> finite;
+  finite.reserve(distances.size());
   for (const double d : distances) {
     if (std::isfinite(d)) finite.push_back(d);
   }
@@ -107,6 +110,7 @@ MismatchFilterReport vote(std::vector<double> distances, MismatchFilterMode mode
     keep_bin.assign(histogram.counts.size(), 1);
   }
 
+  report.bins.reserve(histogram.counts.size());
   for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
     const double from = histogram.origin + histogram.width * static_cast<double>(k);
     report.bins.push_back({from, from + histogram.width, 0, 0});
@@ -132,6 +136,9 @@ MismatchFilterReport vote_on_what_is_left(std::span<const MatchedPixels> pairs,
                                           const MismatchFilterSettings& settings, std::vector<char>& keep) {
   std::vector<double> moved, left_over;
   std::vector<std::size_t> expected;
+  moved.reserve(pairs.size());
+  left_over.reserve(pairs.size());
+  expected.reserve(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const MatchedPixels& pair = pairs[i];
     moved.push_back(distance_moved(pair));
@@ -179,6 +186,7 @@ MismatchFilterReport filter_mismatches(std::span<const MatchedPixels> pairs,
                                        const MismatchFilterSettings& settings, std::vector<char>& keep) {
   if (settings.mode == MismatchFilterMode::compensated) return vote_on_what_is_left(pairs, settings, keep);
   std::vector<double> distances;
+  distances.reserve(pairs.size());
   for (const MatchedPixels& pair : pairs) distances.push_back(distance_moved(pair));
   return vote(std::move(distances), settings.mode, settings, keep);
 }

@@ -53,6 +53,7 @@ std::vector<Projection> LastFrame::project(const SE3& T_cw) const {
   const int highest = static_cast<int>(map_.scales().size()) - 1;
   const double step = level_step(map_.scales());
   std::vector<Projection> projections;
+  projections.reserve(static_cast<std::size_t>(features.size()));
   for (int i = 0; i < features.size(); ++i) {
     const std::optional<Eigen::Vector3d> point = this->point(i);
     if (!point) continue;
@@ -76,6 +77,7 @@ std::vector<MatchedPixels> LastFrame::pixels(const std::vector<Match>& matches,
   std::vector<Eigen::Vector2f> expected(frame_.points.size());
   for (const Projection& p : projections) expected[static_cast<std::size_t>(p.source)] = {p.u, p.v};
   std::vector<MatchedPixels> pixels;
+  pixels.reserve(matches.size());
   for (const Match& match : matches) {
     const FeaturePixel a = frame_.view().pixel(match.source), b = features.pixel(match.feature);
     pixels.push_back({{a.u, a.v}, {b.u, b.v}, expected[static_cast<std::size_t>(match.source)]});

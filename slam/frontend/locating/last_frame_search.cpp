@@ -13,6 +13,7 @@ std::vector<Match> without_mismatches(const std::vector<Match>& matches,
   report.frame_matches = static_cast<int>(matches.size());
   report.filter = filter_mismatches(pixels, settings, keep);
   std::vector<Match> kept;
+  kept.reserve(matches.size());
   for (std::size_t m = 0; m < matches.size(); ++m) {
     if (keep[m]) kept.push_back(matches[m]);
   }
@@ -42,6 +43,7 @@ void search_last_frame(const LocatingInput& in, const SE3& start, float radius,
   }
   const auto scope = in.timer.measure("pose");
   std::vector<PoseObservation> observations;
+  observations.reserve(matches.size());
   for (const Match& match : matches) {
     observations.push_back(
         {*in.last.point(match.source), measurement_of(measured, match.feature, in.map.scales())});

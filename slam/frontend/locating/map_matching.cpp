@@ -13,6 +13,7 @@ void match_map_points(const StereoCamera& camera, const std::vector<double>& sca
                       Hypothesis& hypothesis) {
   std::vector<MapPoint*> shown;
   std::vector<char> taken(hypothesis.points.size(), 0);
+  shown.reserve(hypothesis.points.size());
   for (std::size_t i = 0; i < taken.size(); ++i) {
     if (hypothesis.points[i] == nullptr) continue;
     taken[i] = 1;
@@ -21,7 +22,9 @@ void match_map_points(const StereoCamera& camera, const std::vector<double>& sca
   std::sort(shown.begin(), shown.end(), [](const MapPoint* a, const MapPoint* b) { return a->id < b->id; });
 
   hypothesis.looked_for = shown;
+  hypothesis.looked_for.reserve(shown.size() + points.size());
   std::vector<Projection> projections;
+  projections.reserve(points.size());
   auto next_shown = shown.begin();  // both are in the order of their ids
   for (std::size_t i = 0; i < points.size(); ++i) {
     while (next_shown != shown.end() && (*next_shown)->id < points[i]->id) ++next_shown;
@@ -54,6 +57,7 @@ std::vector<PoseObservation> refine_observations(const StereoCamera& camera,
                           p.z());
   };
   std::vector<PoseObservation> observations;
+  observations.reserve(hypothesis.points.size());
   const auto observe = [&](int feature, const Eigen::Vector3d& point, bool aligned) {
     observations.push_back({point, measurement_of(hypothesis.view(frame), feature, scales, aligned)});
   };

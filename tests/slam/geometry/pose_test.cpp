@@ -101,15 +101,15 @@ TEST(Triangulation, RefusesParallelRaysAndPointsBehindACamera) {
 
 TEST(RealRoots, OfPolynomialsWithKnownRoots) {
   // (x - 1)(x + 2)(x - 3)(x - 0.5) = x^4 - 2.5 x^3 - 4 x^2 + 8.5 x - 3
-  std::vector<double> roots = real_roots({-3.0, 8.5, -4.0, -2.5, 1.0});
+  ShortList<double, 4> roots = real_roots({-3.0, 8.5, -4.0, -2.5, 1.0});
   std::sort(roots.begin(), roots.end());
   ASSERT_EQ(roots.size(), 4U);
   const std::vector<double> expected = {-2.0, 0.5, 1.0, 3.0};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(roots[i], expected[i], 1e-10);
-  EXPECT_EQ(real_roots({1.0, 0.0, 1.0}).size(), 0U);
-  EXPECT_EQ(real_roots({0.0, 0.0, 0.0}).size(), 0U);
-  ASSERT_EQ(real_roots({-6.0, 3.0, 0.0, 0.0}).size(), 1U);
-  EXPECT_TRUE(real_roots({std::numeric_limits<double>::quiet_NaN(), 1.0}).empty());
+  EXPECT_EQ(real_roots({1.0, 0.0, 1.0, 0.0, 0.0}).size(), 0U);
+  EXPECT_EQ(real_roots({}).size(), 0U);
+  ASSERT_EQ(real_roots({-6.0, 3.0, 0.0, 0.0, 0.0}).size(), 1U);
+  EXPECT_TRUE(real_roots({std::numeric_limits<double>::quiet_NaN(), 1.0, 0.0, 0.0, 0.0}).empty());
 }
 
 TEST(P3P, OneOfTheSolutionsIsThePose) {

@@ -13,6 +13,7 @@
 #include "slam/sources/open_dataset.h"
 #include "tests/slam/recorded_slam.h"
 #include "tests/slam/world/synthetic.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/cv_images.h"
 #include "tests/support/test_data.h"
 
@@ -87,6 +88,29 @@ TEST(Slam, FollowsACameraAlongWalls) {
         << "frame " << i;
   }
   EXPECT_GT(slam.map().keyframes().size(), 1U);
+}
+
+// What a frame keeps (features, patches, its report) and the lists of candidates, each asked for once.
+TEST(Slam, AFrameThatBecomesNoKeyframeAllocatesAFewTimes) {
+  constexpr std::size_t kMost = 100;
+  const Walls walls;
+  SlamSettings settings;
+  settings.deterministic = true;
+  Slam slam(walls.camera(), Sensor::stereo, settings);
+  std::size_t most = 0;
+  int counted = 0;
+  for (int i = 0; i < 40; ++i) {
+    const StereoImages images = walls.frame(i);
+    const std::size_t before = test::allocation_count();
+    const FrameResult result = slam.process(images);
+    const std::size_t allocations = test::allocation_count() - before;
+    if (i < 10 || result.keyframe) continue;
+    ++counted;
+    most = std::max(most, allocations);
+  }
+  EXPECT_GT(counted, 15);
+  EXPECT_LE(most, kMost);
+  RecordProperty("allocations", static_cast<int>(most));
 }
 
 TEST(Slam, BlackFramesAreLostAndTheWayIsFoundAgain) {
