@@ -65,6 +65,7 @@ int main(int argc, char** argv) {
   penumbra::apps::add_convert_command(app);
   penumbra::apps::add_info_command(app);
   penumbra::apps::add_calibrate_command(app);
+  penumbra::apps::add_calibration_command(app);
   penumbra::apps::add_bench_command(app);
 
   try {

@@ -22,6 +22,7 @@ void add_eval_coco_command(CLI::App& app);     // compare detections with the gr
 void add_convert_command(CLI::App& app);       // checkpoints to safetensors
 void add_info_command(CLI::App& app);          // list a checkpoint's tensors
 void add_calibrate_command(CLI::App& app);     // prepare weights for 8-bit arithmetic
+void add_calibration_command(CLI::App& app);   // what a camera's calibration file says
 void add_bench_command(CLI::App& app);         // measure speed
 void add_dynamics_benchmark(CLI::App& app);    // of `bench`: ways to leave out people, on synthetic offices
 void add_brain_benchmark(CLI::App& app);       // of `bench`: the brain-inspired SLAM beside RatSLAM

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "penumbra/slam.h"
-#include "slam/sources/camera_file.h"
+#include "slam/sources/calibration/calibration.h"
 
 namespace penumbra {
 

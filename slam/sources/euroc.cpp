@@ -7,7 +7,7 @@
 
 #include "nn/base/error.h"
 #include "slam/geometry/trajectory_io.h"
-#include "slam/sources/euroc_files.h"
+#include "slam/sources/calibration/sensor_yaml.h"
 #include "slam/sources/folder_listing.h"
 #include "slam/sources/image_list.h"
 #include "slam/sources/recorded_sequence.h"

@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "nn/base/error.h"
+#include "nn/image/image_file.h"
 #include "slam/geometry/trajectory_io.h"
-#include "slam/sources/camera_file.h"
+#include "slam/sources/calibration/calibration.h"
 #include "slam/sources/folder_listing.h"
 #include "slam/sources/image_pairs.h"
 #include "slam/sources/named_times.h"
@@ -101,6 +102,15 @@ void sort_by_time(Recording& recording) {
   std::stable_sort(recording.ground_truth.begin(), recording.ground_truth.end(), is_earlier);
 }
 
+// Some files of raw cameras, as OpenCV's, do not say how large the images are that they were made with.
+void take_size(const fs::path& first_image, CameraFile& file) {
+  if (file.rectified || file.left.width > 0) return;
+  const nn::ImageInfo image = nn::read_image_info(first_image);
+  file.left.width = file.right.width = image.width;
+  file.left.height = file.right.height = image.height;
+  file.notes.push_back("the calibration does not say the size of its images: that of the first one is taken");
+}
+
 }  // namespace
 
 bool looks_like_image_folder(const fs::path& path) { return is_present(path / "calibration.yaml"); }
@@ -108,17 +118,13 @@ bool looks_like_image_folder(const fs::path& path) { return is_present(path / "c
 std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const DatasetOptions& options) {
   require_dataset_folder(path);
   const fs::path folder = fs::canonical(path);
-  const CameraFile file = read_camera_file(folder / "calibration.yaml");
-  const RecordedCamera camera = make_camera(file);
+  CameraFile file = read_camera_file(folder / "calibration.yaml");
   const bool rgbd = file.sensor == Sensor::rgbd;
 
   Recording recording;
   recording.name = folder.filename().string();
   recording.place = folder.string();
   recording.sensor = file.sensor;
-  recording.camera = camera.camera;
-  recording.left = camera.left;
-  recording.right = camera.right;
   recording.depth_factor = file.depth_factor;
   recording.colour =
       colour_of(options.cameras, file.colour.value_or(rgbd) ? nn::ImageColour::bgr : nn::ImageColour::grey);
@@ -128,7 +134,13 @@ std::unique_ptr<StereoDataset> open_image_folder(const fs::path& path, const Dat
   }
   const ImagePairs images =
       pair_images(folder / (rgbd ? "rgb" : "left"), folder / (rgbd ? "depth" : "right"));
-  recording.notes = images.notes;
+  if (!images.pairs.empty()) take_size(images.first[images.pairs.front().first].path, file);
+  recording.notes = file.notes;
+  recording.notes.insert(recording.notes.end(), images.notes.begin(), images.notes.end());
+  const RecordedCamera camera = make_camera(file);
+  recording.camera = camera.camera;
+  recording.left = camera.left;
+  recording.right = camera.right;
   for (const ImagePair& pair : images.pairs) {
     recording.frames.push_back(
         {static_cast<int>(pair.first), 0.0, images.first[pair.first].path, images.second[pair.second].path});

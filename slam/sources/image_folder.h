@@ -1,6 +1,6 @@
 // Folders of images from any camera, with a calibration.yaml: see docs/datasets.md.
 //
-//   calibration.yaml        the camera (slam/sources/camera_file.h)
+//   calibration.yaml        the camera (slam/sources/calibration/camera_file.h)
 //   left/, right/           stereo pairs: images of the same name (slam/sources/image_pairs.h)
 //   rgb/, depth/            or, RGB-D: images of the same name; depth are 16-bit PNGs
 //   times.txt               optional: one line a left image, in the order of their names

@@ -6,13 +6,11 @@
 #include <vector>
 
 #include "nn/image/image.h"
+#include "slam/geometry/sensor.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/geometry/trajectory.h"
 
 namespace penumbra::slam {
-
-// Where the depth of a feature comes from: a second image, or a depth map of the first.
-enum class Sensor { stereo, rgbd };
 
 // One frame: two rectified images, or one image and its depth.
 struct StereoImages {

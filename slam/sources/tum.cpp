@@ -7,7 +7,7 @@
 
 #include "nn/base/error.h"
 #include "slam/geometry/trajectory_io.h"
-#include "slam/sources/camera_file.h"
+#include "slam/sources/calibration/calibration.h"
 #include "slam/sources/folder_listing.h"
 #include "slam/sources/image_list.h"
 #include "slam/sources/recorded_sequence.h"
@@ -109,6 +109,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   recording.camera = camera.camera;
   recording.left = camera.left;
   recording.depth_factor = file.depth_factor;
+  recording.notes.insert(recording.notes.end(), file.notes.begin(), file.notes.end());
   recording.colour = colour_of(options.cameras, nn::ImageColour::bgr);
   const PairingTexts texts{folder.string(), "colour and depth images within {:g} s of each other", "colour",
                            "depth images"};

@@ -1,10 +1,10 @@
 // Readers of what comes with a camera's images: calibrations in YAML, and lists of images.
 #include <cmath>
 
-#include "slam/sources/camera_file.h"
-#include "slam/sources/euroc_files.h"
+#include "slam/sources/calibration/calibration.h"
+#include "slam/sources/calibration/sensor_yaml.h"
 #include "slam/sources/image_list.h"
-#include "slam/sources/yaml_file.h"
+#include "slam/sources/calibration/yaml_file.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "nn/base/file.h"
-#include "slam/sources/camera_file.h"
+#include "slam/sources/calibration/calibration.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra::slam {

@@ -8,7 +8,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
-#include "slam/sources/camera_file.h"
+#include "slam/sources/calibration/calibration.h"
 #include "tests/support/cv_images.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_data.h"

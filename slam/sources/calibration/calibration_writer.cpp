@@ -1,4 +1,4 @@
-#include "slam/sources/calibration_writer.h"
+#include "slam/sources/calibration/calibration_writer.h"
 
 #include <algorithm>
 #include <string_view>

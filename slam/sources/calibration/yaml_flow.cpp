@@ -1,9 +1,9 @@
-#include "slam/sources/yaml_flow.h"
+#include "slam/sources/calibration/yaml_flow.h"
 
 #include <algorithm>
 
 #include "nn/base/error.h"
-#include "slam/sources/yaml_words.h"
+#include "slam/sources/calibration/yaml_words.h"
 
 namespace penumbra::slam {
 

@@ -1,7 +1,7 @@
 // The keys of a calibration.yaml and the names that others give them; docs/datasets.md has the table.
 #pragma once
 
-#include "slam/sources/yaml_file.h"
+#include "slam/sources/calibration/yaml_file.h"
 
 namespace penumbra::slam {
 

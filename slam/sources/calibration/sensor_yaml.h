@@ -1,4 +1,4 @@
-// The files of a EuRoC recording that are not images.
+// sensor.yaml, which EuRoC and TUM-VI have beside the images of each camera.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,6 @@
 
 namespace penumbra::slam {
 
-// sensor.yaml of a camera.
 struct EurocCamera {
   LensCamera lens;
   SE3 T_BS;  // body from camera

@@ -1,4 +1,4 @@
-#include "slam/sources/camera_keys.h"
+#include "slam/sources/calibration/camera_keys.h"
 
 #include <deque>
 #include <string>
@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "nn/base/error.h"
-#include "slam/sources/known_keys.h"
-#include "slam/sources/yaml_words.h"
+#include "slam/sources/calibration/known_keys.h"
+#include "slam/sources/calibration/yaml_words.h"
 
 namespace penumbra::slam {
 

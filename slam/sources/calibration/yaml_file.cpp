@@ -1,4 +1,4 @@
-#include "slam/sources/yaml_file.h"
+#include "slam/sources/calibration/yaml_file.h"
 
 #include <algorithm>
 
@@ -6,8 +6,8 @@
 #include "nn/base/file.h"
 #include "nn/base/number_file.h"
 #include "nn/base/text.h"
-#include "slam/sources/yaml_flow.h"
-#include "slam/sources/yaml_words.h"
+#include "slam/sources/calibration/yaml_flow.h"
+#include "slam/sources/calibration/yaml_words.h"
 
 namespace penumbra::slam {
 
@@ -131,8 +131,9 @@ void YamlFile::read(std::string_view text) {
       refuse("'key: value'", in_quotes(content));
     }
     const std::string_view name = without_quotes(trimmed_word(content.substr(0, colon)));
-    if (name.empty() || name.find('.') != std::string_view::npos || !is_utf8(name)) {
-      refuse("a key without dots", in_quotes(name));
+    // "Camera.fx" is the key fx below Camera, as ORB-SLAM writes it.
+    if (name.empty() || name.front() == '.' || name.back() == '.' || !is_utf8(name)) {
+      refuse("a key", in_quotes(name));
     }
     // Deeper than the last key, which has no value: it holds this one.
     if (may_open && indent > last_indent) {

@@ -1,4 +1,4 @@
-#include "slam/sources/lens_reader.h"
+#include "slam/sources/calibration/lens_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/image/image_container.h"
-#include "slam/sources/yaml_words.h"
+#include "slam/sources/calibration/yaml_words.h"
 
 namespace penumbra::slam {
 
@@ -20,6 +20,10 @@ std::string one_of(const YamlFile& yaml, std::initializer_list<std::string> keys
     found = key;
   }
   return found.empty() ? *keys.begin() : found;
+}
+
+std::string matrix_key(const YamlFile& yaml, const std::string& key) {
+  return yaml.has_value(key + ".data") ? key + ".data" : key;
 }
 
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
@@ -63,12 +67,37 @@ int pixels_of(double value, const std::string& place) {
   return static_cast<int>(value);
 }
 
-int read_pixels(const YamlFile& yaml, const std::string& key) {
-  return yaml.has(key) ? pixels_of(yaml.number_above_zero(key), yaml.place(key)) : 0;
+}  // namespace
+
+void set_size(LensCamera& camera, double width, double height, const std::string& place) {
+  camera.width = pixels_of(width, place);
+  camera.height = pixels_of(height, place);
+  if (static_cast<long>(camera.width) * camera.height > nn::kMaxImagePixels) {
+    throw InputError(place, "an image that can be", fmt::format("{} x {}", camera.width, camera.height));
+  }
 }
 
+void set_intrinsics(LensCamera& camera, const std::vector<double>& v, const std::string& place) {
+  if (v.size() != 4 && v.size() != 9)
+    throw InputError(place, "fx fy cx cy, or a camera matrix of 9 numbers",
+                     fmt::format("{} numbers", v.size()));
+  const bool is_matrix = v.size() == 9;
+  if (is_matrix && (v[1] != 0.0 || v[3] != 0.0 || v[6] != 0.0 || v[7] != 0.0 || v[8] != 1.0)) {
+    throw InputError(place, "fx 0 cx, 0 fy cy, 0 0 1", "other zeros and ones");
+  }
+  camera.fx = v[0];
+  camera.fy = v[is_matrix ? 4 : 1];
+  camera.cx = v[2];
+  camera.cy = v[is_matrix ? 5 : 3];
+  if (!(camera.fx > 0.0 && camera.fy > 0.0)) {
+    throw InputError(place, "focal lengths > 0", fmt::format("{:g} and {:g}", camera.fx, camera.fy));
+  }
+}
+
+namespace {
+
 // Width and height under `prefix`, or those at the top, which hold for both lenses.
-void read_size(const YamlFile& yaml, const std::string& prefix, int& width, int& height) {
+void read_size(const YamlFile& yaml, const std::string& prefix, LensCamera& lens) {
   const bool is_here =
       yaml.has(prefix + "width") || yaml.has(prefix + "height") || yaml.has(prefix + "resolution");
   const std::string& at = is_here ? prefix : "";
@@ -77,17 +106,12 @@ void read_size(const YamlFile& yaml, const std::string& prefix, int& width, int&
       throw InputError(yaml.place(at + "resolution"), "either width and height or a resolution", "both");
     }
     const std::vector<double> size = yaml.numbers(at + "resolution", 2);
-    width = pixels_of(size[0], yaml.place(at + "resolution"));
-    height = pixels_of(size[1], yaml.place(at + "resolution"));
-  } else {
-    width = read_pixels(yaml, at + "width");
-    height = read_pixels(yaml, at + "height");
-    if ((width > 0) != (height > 0))
+    set_size(lens, size[0], size[1], yaml.place(at + "resolution"));
+  } else if (yaml.has(at + "width") || yaml.has(at + "height")) {
+    if (!yaml.has(at + "width") || !yaml.has(at + "height"))
       throw InputError(yaml.place(at + "width"), "width and height", "one of them");
-  }
-  if (static_cast<long>(width) * height > nn::kMaxImagePixels) {
-    throw InputError(yaml.place(at + (yaml.has(at + "width") ? "width" : "resolution")),
-                     "an image that can be", fmt::format("{} x {}", width, height));
+    set_size(lens, yaml.number_above_zero(at + "width"), yaml.number_above_zero(at + "height"),
+             yaml.place(at + "width"));
   }
 }
 
@@ -101,18 +125,7 @@ void read_intrinsics(const YamlFile& yaml, const std::string& prefix, LensCamera
     return;
   }
   for (const char* single : {"fy", "cx", "cy"}) one_of(yaml, {key, prefix + single});
-  const bool is_matrix = key == prefix + "camera_matrix";
-  const std::vector<double> v = yaml.numbers(key, is_matrix ? 9 : 4);
-  if (is_matrix && (v[1] != 0.0 || v[3] != 0.0 || v[6] != 0.0 || v[7] != 0.0 || v[8] != 1.0)) {
-    throw InputError(yaml.place(key), "fx 0 cx, 0 fy cy, 0 0 1", "other zeros and ones");
-  }
-  lens.fx = v[0];
-  lens.fy = v[is_matrix ? 4 : 1];
-  lens.cx = v[2];
-  lens.cy = v[is_matrix ? 5 : 3];
-  if (!(lens.fx > 0.0 && lens.fy > 0.0)) {
-    throw InputError(yaml.place(key), "focal lengths > 0", fmt::format("{:g} and {:g}", lens.fx, lens.fy));
-  }
+  set_intrinsics(lens, yaml.numbers(key, key == prefix + "camera_matrix" ? 9 : 4), yaml.place(key));
 }
 
 // The coefficients, as a list or one by one, and the key to blame; none where the file has none.
@@ -142,7 +155,7 @@ std::vector<double> read_distortion(const YamlFile& yaml, const std::string& pre
 
 LensCamera read_lens(const YamlFile& yaml, const std::string& prefix) {
   LensCamera lens;
-  read_size(yaml, prefix, lens.width, lens.height);
+  read_size(yaml, prefix, lens);
   read_intrinsics(yaml, prefix, lens);
   const std::string model = prefix + "camera_model";
   require_pinhole(yaml, model);

@@ -1,4 +1,4 @@
-#include "slam/sources/camera_file.h"
+#include "slam/sources/calibration/camera_file.h"
 
 #include <fmt/core.h>
 
@@ -10,10 +10,9 @@
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "slam/geometry/trajectory_io.h"
-#include "slam/sources/calibration_writer.h"
-#include "slam/sources/camera_keys.h"
-#include "slam/sources/lens_reader.h"
-#include "slam/sources/yaml_words.h"
+#include "slam/sources/calibration/camera_keys.h"
+#include "slam/sources/calibration/lens_reader.h"
+#include "slam/sources/calibration/yaml_words.h"
 
 namespace penumbra::slam {
 
@@ -100,10 +99,12 @@ void read_rgbd(const YamlFile& yaml, CameraFile& file) {
 }  // namespace
 
 SE3 read_transform(const YamlFile& yaml, const std::string& key) {
-  const std::vector<double> v = yaml.numbers(key);
+  return rigid_motion(yaml.numbers(key), yaml.place(key));
+}
+
+SE3 rigid_motion(const std::vector<double>& v, const std::string& place) {
   if (v.size() != 12 && v.size() != 16) {
-    throw InputError(yaml.place(key), "12 or 16 numbers (a rigid motion, row by row)",
-                     fmt::format("{}", v.size()));
+    throw InputError(place, "12 or 16 numbers (a rigid motion, row by row)", fmt::format("{}", v.size()));
   }
   SE3 T;
   for (int row = 0; row < 3; ++row) {
@@ -115,17 +116,31 @@ SE3 read_transform(const YamlFile& yaml, const std::string& key) {
       (T.rotation * T.rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   const bool last_row = v.size() == 12 || (v[12] == 0.0 && v[13] == 0.0 && v[14] == 0.0 && v[15] == 1.0);
   if (!(skewness <= kRotationTolerance) || T.rotation.determinant() < 0.0 || !last_row) {
-    throw InputError(yaml.place(key), "a rotation and a translation (last row 0 0 0 1)",
+    throw InputError(place, "a rotation and a translation (last row 0 0 0 1)",
                      fmt::format("a matrix that is off by {:g}", skewness));
   }
   T.normalize();
   return T;
 }
 
-namespace {
+SE3 rigid_motion(const std::vector<double>& R, const std::vector<double>& t, const std::string& place) {
+  return rigid_motion({R.at(0), R.at(1), R.at(2), t.at(0), R.at(3), R.at(4), R.at(5), t.at(1), R.at(6),
+                       R.at(7), R.at(8), t.at(2)},
+                      place);
+}
 
-// The keys of `path`, which must be ours.
-CameraFile read_own_file(const std::filesystem::path& path) {
+void take_for_rgbd(CameraFile& file, const std::string& place) {
+  file.sensor = Sensor::rgbd;
+  file.baseline = kNominalBaseline;
+  file.depth_factor = 1000.0;
+  file.place = place;
+  file.notes.push_back(
+      "the calibration is of one camera: taken for an RGB-D camera's whose depths are millimetres "
+      "(depth_factor "
+      "1000)");
+}
+
+CameraFile read_own_camera_file(const std::filesystem::path& path) {
   YamlFile yaml(path);
   use_camera_keys(yaml);
   CameraFile file;
@@ -144,19 +159,6 @@ CameraFile read_own_file(const std::filesystem::path& path) {
   if (yaml.has("colour")) file.colour = yaml.flag("colour");
   if (yaml.has("rate")) file.frame_rate = yaml.number_above_zero("rate");
   return file;
-}
-
-}  // namespace
-
-CameraFile read_camera_file(const std::filesystem::path& path) {
-  try {
-    return read_own_file(path);
-  } catch (const InputError& error) {
-    const std::string writer = calibration_writer(path);
-    if (writer.empty()) throw;
-    throw InputError(path.string(), "a calibration.yaml as docs/datasets.md describes it",
-                     fmt::format("what looks like {}. {}", writer, error.what()));
-  }
 }
 
 RecordedCamera make_camera(const CameraFile& file) {

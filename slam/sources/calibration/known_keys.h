@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slam/sources/yaml_file.h"
+#include "slam/sources/calibration/yaml_file.h"
 
 namespace penumbra::slam {
 

@@ -1,4 +1,4 @@
-#include "slam/sources/known_keys.h"
+#include "slam/sources/calibration/known_keys.h"
 
 #include <algorithm>
 #include <map>
@@ -6,7 +6,7 @@
 #include "nn/base/error.h"
 #include "nn/base/nearest_word.h"
 #include "nn/base/text.h"
-#include "slam/sources/yaml_words.h"
+#include "slam/sources/calibration/yaml_words.h"
 
 namespace penumbra::slam {
 

@@ -7,6 +7,7 @@
 //            0.5, 0.0]                rows in it, [[0.0, 1.0], [0.5, 0.0]], are joined to one list; so are
 //                                     "- [0.0, 1.0]", "- 0.5" and "- - 0.5", one a line
 //   left: {fx: 458.6, fy: 457.3}      "left.fx" and "left.fy", as if they stood below it (yaml_flow.h)
+//   Camera.fx: 458.6                  as if fx stood below Camera
 //   camera_model: pinhole             a word, quoted or not
 //
 // Anchors, block texts, lists of words and several documents are refused, as are tabs before a key and keys

@@ -1,4 +1,4 @@
-#include "slam/sources/lens_reader.h"
+#include "slam/sources/calibration/lens_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slam/geometry/rectification.h"
-#include "slam/sources/stereo_dataset.h"
-#include "slam/sources/yaml_file.h"
+#include "slam/geometry/sensor.h"
+#include "slam/sources/calibration/yaml_file.h"
 
 namespace penumbra::slam {
 
@@ -22,13 +23,18 @@ struct CameraFile {
   std::optional<bool> colour;        // what the images are to be read as
   std::optional<double> frame_rate;  // Hz
   std::string place;                 // for messages
+  std::vector<std::string> notes;    // what was taken because the file does not say it
 };
 
 // Of RGB-D cameras without a `baseline`: that of the first Kinect and most others.
 inline constexpr double kNominalBaseline = 0.075;  // metres
 
 // Throws InputError (file:line) for keys that are missing or numbers that no camera has.
-CameraFile read_camera_file(const std::filesystem::path& path);
+CameraFile read_own_camera_file(const std::filesystem::path& path);
+
+// Takes `left` for the colour camera of an RGB-D camera, as its file, which describes one camera, may mean;
+// what the file does not say is noted.
+void take_for_rgbd(CameraFile& file, const std::string& place);
 
 // What a recording needs to know about it; an undistorted or rectified pair where the images are not.
 // Throws InputError as rectify_stereo and undistort do.
@@ -39,7 +45,10 @@ struct RecordedCamera {
 };
 RecordedCamera make_camera(const CameraFile& file);
 
-// A 3 x 4 or 4 x 4 matrix, row by row. Throws InputError where it is no rigid motion.
+// A 3 x 4 or 4 x 4 matrix, row by row. Throws InputError naming `place` where it is no rigid motion.
+SE3 rigid_motion(const std::vector<double>& rows, const std::string& place);
+SE3 rigid_motion(const std::vector<double>& rotation, const std::vector<double>& translation,
+                 const std::string& place);
 SE3 read_transform(const YamlFile& yaml, const std::string& key);
 
 }  // namespace penumbra::slam

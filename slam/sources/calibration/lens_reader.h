@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "slam/geometry/rectification.h"
-#include "slam/sources/yaml_file.h"
+#include "slam/sources/calibration/yaml_file.h"
 
 namespace penumbra::slam {
 
-// The keys under `prefix` ("left.", "right.", or ""), under their own names (slam/sources/camera_keys.h):
+// The keys under `prefix` ("left.", "right.", or ""), under their own names
+// (slam/sources/calibration/camera_keys.h):
 //   fx fy cx cy, or intrinsics [fx, fy, cx, cy], or camera_matrix, 3 x 3 row by row;
 //   distortion with distortion_model, or k1 k2 p1 p2 [k3], or k1 k2 k3 k4 (equidistant); nothing but zeros is
 //   none;
@@ -25,8 +26,16 @@ LensCamera read_lens(const YamlFile& yaml, const std::string& prefix);
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place);
 
+// [fx, fy, cx, cy], or the camera matrix fx 0 cx, 0 fy cy, 0 0 1; width and height in pixels. Throw
+// InputError naming `place` for numbers that no camera has.
+void set_intrinsics(LensCamera& camera, const std::vector<double>& numbers, const std::string& place);
+void set_size(LensCamera& camera, double width, double height, const std::string& place);
+
 // Throws InputError for a camera model, the value of `key` if there is one, that is not pinhole.
 void require_pinhole(const YamlFile& yaml, const std::string& key);
+
+// The key of a matrix's numbers: `key`, or `key`.data as OpenCV and ROS write matrices.
+std::string matrix_key(const YamlFile& yaml, const std::string& key);
 
 // The one of `keys` that the file has; the first where it has none. Throws InputError where it has two.
 std::string one_of(const YamlFile& yaml, std::initializer_list<std::string> keys);

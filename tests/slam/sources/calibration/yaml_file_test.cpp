@@ -1,4 +1,4 @@
-#include "slam/sources/yaml_file.h"
+#include "slam/sources/calibration/yaml_file.h"
 
 #include <gtest/gtest.h>
 
