@@ -78,8 +78,8 @@ void set_semantics(const SlamOptions& options, slam::SemanticsSettings& semantic
   set_masks(options, semantics);
   // What follows from --dynamics or --static-points follows beside a file of settings, too.
   if (says("--moving") || options.given.contains("--dynamics") || options.given.contains("--static-points")) {
-    const bool by_class = options.moving == "class" ||
-                          (slam::class_decides(semantics) && !options.given.contains("--moving"));
+    const bool by_class =
+        options.moving == "class" || (slam::class_decides(semantics) && !options.given.contains("--moving"));
     semantics.instances.check_motion = !by_class;
   }
 }

@@ -26,6 +26,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam rgbd_dataset_freiburg1_xyz --dense --out out/xyz   and what it saw as a dense map and a plan of the floor
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics depth-clusters --out out/people
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics static-points --out out/standing
+  ffmpeg -i stereo.mp4 -f yuv4mpegpipe - | penumbra slam - --camera rig.yaml --every-frame --out out/film   images side by side
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
@@ -51,9 +52,26 @@ void add_slam_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
   command->footer(kSlamExamples);
-  add_dataset_arguments(*command, options->dataset, "folder of the sequence");
+  add_dataset_arguments(*command, options->dataset,
+                        "folder of the sequence, or - for a stream on standard input");
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   add_recording_arguments(*command, options->dataset);
+  command
+      ->add_option("--camera", options->dataset.camera,
+                   "of a stream: the cameras' calibration (docs/datasets.md)")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
+  command->add_option("--layout", options->layout, "of a stream: how the left and the right image lie in one")
+      ->check(CLI::IsMember({"side-by-side", "top-bottom"}))
+      ->capture_default_str();
+  command->add_flag("--every-frame", options->every_frame,
+                    "of a stream: it waits until a frame is done (default: the newest wins, the others are "
+                    "dropped and counted)");
+  command
+      ->add_option("--poses", options->poses,
+                   "write the pose of each located frame at once, as a TUM line: - for standard output, or "
+                   "unix:PATH of a socket that listens")
+      ->type_name("WHERE");
   command
       ->add_option(
           "--weights", options->weights,

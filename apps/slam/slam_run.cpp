@@ -4,16 +4,14 @@
 #include <malloc.h>
 
 #include <charconv>
-#include <chrono>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include "apps/common/interruption.h"
 #include "apps/common/log.h"
 #include "apps/common/process_usage.h"
-#include "apps/common/progress_bar.h"
 #include "apps/network/load_network.h"
+#include "apps/slam/frame_input.h"
+#include "apps/slam/frame_loop.h"
 #include "apps/slam/segmenter.h"
 #include "apps/slam/semantics_options.h"
 #include "apps/slam/slam_results.h"
@@ -24,18 +22,13 @@
 #include "slam/map/map_file.h"
 #include "slam/pipeline/dense_mapper.h"
 #include "slam/pipeline/recorder.h"
-#include "slam/pipeline/run_check.h"
 #include "slam/pipeline/setting_fields.h"
 #include "slam/pipeline/settings_file.h"
 #include "slam/pipeline/slam.h"
-#include "slam/sources/open_dataset.h"
-#include "slam/sources/prefetcher.h"
 
 namespace penumbra::apps {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Empty where no segmentation by a network is asked for.
 std::optional<LoadedNetwork> find_network(const SlamOptions& options,
@@ -70,128 +63,6 @@ std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::Ster
   slam::require_same_camera(map->camera(), camera, options.load_map);
   return map;
 }
-
-// Writes what there is so far every --checkpoint seconds, or less often, so that it costs a twentieth of the
-// time at most.
-class Checkpoints {
- public:
-  explicit Checkpoints(double seconds) : between_(seconds), next_(Clock::now() + between_) {}
-  bool is_due() const { return between_.count() > 0.0 && Clock::now() >= next_; }
-  void write(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
-    constexpr double kWorkPerWriting = 20.0;
-    const Clock::time_point begin = Clock::now();
-    try {
-      write_checkpoint(places, record, run);
-    } catch (const Error& error) {
-      log_warning("checkpoint: {}", error.what());
-    }
-    const Seconds spent = Clock::now() - begin;
-    next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
-  }
-
- private:
-  using Seconds = std::chrono::duration<double>;
-  const Seconds between_;
-  std::chrono::time_point<Clock, Seconds> next_;
-};
-
-// One run, from the first frame to the last.
-class FrameLoop {
- public:
-  FrameLoop(const SlamOptions& options, const slam::StereoDataset& dataset, slam::Slam& slam,
-            slam::Recorder& record, slam::DenseMapper* dense, LiveView* view, SlamRun& run)
-      : options_(options),
-        dataset_(dataset),
-        slam_(slam),
-        record_(record),
-        dense_(dense),
-        view_(view),
-        run_(run),
-        check_(dataset.camera(), dataset.sensor()) {}
-
-  // Until the end, a signal, or an error, which is then in SlamRun::error.
-  void run(const ResultPlaces& places) {
-    slam::Prefetcher frames(dataset_);
-    ProgressBar progress("Tracking", dataset_.size());
-    Checkpoints checkpoints(options_.checkpoint);
-    for (int i = 0; frames.has_next() && run_.error.empty(); ++i) {
-      if (Interruption::requested()) {
-        run_.error = fmt::format("interrupted by {} after {} frames", Interruption::signal_name(), i);
-        break;
-      }
-      try {
-        process(i, frames);
-      } catch (const std::exception& error) {
-        run_.error = error.what();
-      }
-      tell();
-      progress.update(static_cast<int>(record_.results().size()));
-      if (checkpoints.is_due()) {
-        sum_up();
-        checkpoints.write(places, record_, run_);
-      }
-    }
-    run_.input_times.merge(frames.take_times());
-    sum_up();
-  }
-
- private:
-  // The i-th frame, or what stands for it where its images cannot be read.
-  void process(int i, slam::Prefetcher& frames) {
-    std::optional<slam::StereoImages> images;
-    try {
-      images = frames.next();
-    } catch (const InputError& error) {
-      if (options_.strict) throw;
-      log_warning("{}; the frame is taken as lost", error.what());
-    }
-    slam::FrameResult result;
-    if (images) {
-      slam_.keep_pace(images->timestamp);
-      result = slam_.process(*images);
-      check_.add(*images, result);
-    } else {
-      result = slam_.process_missing(dataset_.frame_number(i), dataset_.timestamp(i));
-      check_.add_unreadable(result.index);
-      run_.unreadable_frames.push_back(result.index);
-    }
-    if (dense_ != nullptr && images && dense_->add(dataset_.camera(), *images, result))
-      record_.keep_masks_of(result.index);
-    const slam::FrameResult& kept = record_.add(std::move(result));
-    if (view_ != nullptr) view_->add(kept, images ? images->left : ByteImage());
-    if (kept.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", kept.index);
-    if (kept.tracking.recovered) log_info("frame {}: found again", kept.index);
-  }
-
-  void tell() {
-    for (const std::string& warning : check_.take_warnings()) {
-      log_warning("{}", warning);
-      run_.warnings.push_back(warning);
-    }
-    const std::vector<slam::ClosedLoop> loops = slam_.loops();
-    for (; reported_loops_ < loops.size(); ++reported_loops_) {
-      const slam::ClosedLoop& loop = loops[reported_loops_];
-      log_info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame, loop.earlier_frame,
-               loop.inliers, loop.correction_metres);
-    }
-  }
-
-  // What takes a look at all frames so far.
-  void sum_up() {
-    run_.median_depth = check_.median_depth();
-    run_.why_lost = check_.why_lost();
-  }
-
-  const SlamOptions& options_;
-  const slam::StereoDataset& dataset_;
-  slam::Slam& slam_;
-  slam::Recorder& record_;
-  slam::DenseMapper* const dense_;
-  LiveView* const view_;
-  SlamRun& run_;
-  slam::RunCheck check_;
-  std::size_t reported_loops_ = 0;
-};
 
 // Throws Error where the run was stopped, or located nothing, or fewer frames than are asked for. What it
 // says is the last line.
@@ -241,41 +112,42 @@ void run_slam(const SlamOptions& options) {
   slam::SlamSettings settings = make_settings(options);
 
   SlamRun run;
-  const std::unique_ptr<slam::StereoDataset> dataset =
-      slam::open_dataset(options.dataset.folder, dataset_options(options.dataset));
-  if (options.dense && dataset->sensor() != slam::Sensor::rgbd) {
-    throw UsageError(fmt::format("--dense needs images with depth, and {} has none", dataset->name()));
+  FrameInput input(options);
+  const slam::StereoDataset& dataset = input.dataset();
+  if (options.dense && dataset.sensor() != slam::Sensor::rgbd) {
+    throw UsageError(fmt::format("--dense needs images with depth, and {} has none", dataset.name()));
   }
-  run.dataset = dataset->name();
-  for (const std::string& note : dataset->notes()) log_warning("{}: {}", options.dataset.folder, note);
-  run.warnings = dataset->notes();
+  run.dataset = dataset.name();
+  for (const std::string& note : dataset.notes()) log_warning("{}: {}", options.dataset.folder, note);
+  run.warnings = dataset.notes();
   const std::optional<LoadedNetwork> loaded = find_network(options, settings.semantics);
   if (loaded && !options.least_score && options.settings.empty())
     settings.semantics.instances.least_score = least_score_of(*loaded);
   slam::Segmenter segmenter;
-  check_semantics(options, *dataset, settings.semantics);
-  if (loaded) segmenter = make_segmenter(*loaded, dataset->camera(), settings.semantics);
+  check_semantics(options, dataset, settings.semantics);
+  if (loaded) segmenter = make_segmenter(*loaded, dataset.camera(), settings.semantics);
   if (!options.masks.empty() && settings.semantics.mode != slam::SegmentationMode::off)
-    segmenter = make_segmenter(options.masks, dataset->camera(), settings.semantics);
+    segmenter = make_segmenter(options.masks, dataset.camera(), settings.semantics);
   run.segmentation = segmenter ? segmentation_text(settings.semantics) : "off";
-  std::unique_ptr<slam::Map> map = load_map(options, dataset->camera());
+  std::unique_ptr<slam::Map> map = load_map(options, dataset.camera());
   const ResultPlaces places{options.out, options.save_map};
   prepare_places(places);
 
   set_thread_count(settings.threads);
-  slam::Slam slam(dataset->camera(), dataset->sensor(), settings, segmenter, std::move(map));
+  slam::Slam slam(dataset.camera(), dataset.sensor(), settings, segmenter, std::move(map));
   slam::Recorder record(slam);
   std::optional<LiveView> view;
   if (!options.view.empty()) {
-    view.emplace(port, run, dataset->size(), record);
+    view.emplace(port, run, dataset.size(), record);
     log_info("watch it on {}", view->address());
   }
   const Interruption interruption;  // until the results are written
   const double cpu_before = process_usage().cpu_seconds;
   slam::DenseMapper dense(slam.settings().dense);
-  FrameLoop(options, *dataset, slam, record, options.dense ? &dense : nullptr, view ? &*view : nullptr, run)
+  FrameLoop(options, input, slam, record, options.dense ? &dense : nullptr, view ? &*view : nullptr, run)
       .run(places);
   record.finish();
+  input.tell(run);
   const ProcessUsage usage = process_usage();
   run.finished = true;
   if (segmenter && record.instances().empty()) {
@@ -288,7 +160,7 @@ void run_slam(const SlamOptions& options) {
   run.peak_rss_mb = usage.peak_rss_mb;
   warn_of_pieces(record);
   if (loaded) run.peak_arena_bytes = loaded->network->arena().peak_bytes();
-  write_results(places, *dataset, record, options.dense ? &dense : nullptr, run);
+  write_results(places, dataset, record, options.dense ? &dense : nullptr, run);
   const nlohmann::json report = slam_report(run, record);
   if (options.profile) fmt::print("{}", processor_table(report["processor_ms"]));
   print_summary(report, places.out);

@@ -25,6 +25,9 @@ struct SlamOptions {
   std::string repair = "modes", clusters = "grown", consistency = "on";  // of --dynamics depth-clusters
   std::string foreground = "adaptive", static_points = "off";            // of --dynamics static-points
   std::string view;                                                      // port, or kAnyViewPort; empty: none
+  std::string layout = "side-by-side";  // of a stream: how two images lie in one
+  bool every_frame = false;             // of a stream: it waits, and no frame is dropped
+  std::string poses;                    // where poses go as they are found; empty: nowhere
   std::optional<double> least_score;
   double least_sharpness = 0.0;
   bool deterministic = false, localise = false, dense = false, profile = false;

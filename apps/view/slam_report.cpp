@@ -220,6 +220,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   if (!run.finished) json["unfinished"] = true;
   if (!run.error.empty()) json["error"] = run.error;
   json["warnings"] = run.warnings;
+  if (!run.stream.is_null()) json["stream"] = run.stream;
   if (!run.why_lost.empty()) json["why_lost"] = run.why_lost;
   json["settings"] = settings_json(run, record.slam().settings());
   json["frames"] = record.results().size();

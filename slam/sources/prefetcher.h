@@ -5,31 +5,31 @@
 #include <future>
 #include <utility>
 
-#include "nn/base/stage_timer.h"
-#include "slam/sources/stereo_dataset.h"
+#include "slam/sources/frame_source.h"
 
 namespace penumbra::slam {
 
-class Prefetcher {
+class Prefetcher final : public FrameSource {
  public:
   explicit Prefetcher(const StereoDataset& dataset) : dataset_(dataset) { start(); }
   Prefetcher(const Prefetcher&) = delete;
   Prefetcher& operator=(const Prefetcher&) = delete;
-  ~Prefetcher() {
+  ~Prefetcher() override {
     if (next_.valid()) next_.wait();
   }
 
   // Whether next() has a frame to give.
   bool has_next() const { return next_.valid(); }
-  // The next frame; throws what loading it threw, and then goes on with the frame after it.
-  StereoImages next() {
+  Next wait(double) override { return has_next() ? Next::frame : Next::end; }
+  StereoImages next() override {
     std::future<StereoImages> current = std::move(next_);
     current.wait();
+    newest_ = position_ - 1;
     start();
     return current.get();
   }
-  // Times of its thread, which it waits for.
-  StageTimer take_times() {
+  FrameStamp newest() const override { return {dataset_.frame_number(newest_), dataset_.timestamp(newest_)}; }
+  StageTimer take_times() override {
     if (next_.valid()) next_.wait();
     return timer_.take();
   }
@@ -46,7 +46,7 @@ class Prefetcher {
 
   const StereoDataset& dataset_;
   StageTimer timer_{"images"};
-  int position_ = 0;  // frame that is read next
+  int position_ = 0, newest_ = 0;  // frame that is read next, and that was given last
   std::future<StereoImages> next_;
 };
 

@@ -41,8 +41,9 @@ struct ProgramResult {
   int exit_code = 0;  // 128 + signal where a signal ended it
   std::string out, err;
 };
-// Runs `penumbra ARGUMENTS` (a shell command line) and waits for it.
-ProgramResult run_penumbra(const std::string& arguments);
+// Runs `penumbra ARGUMENTS` (a shell command line) with the file `input` as its standard input, and waits for
+// it.
+ProgramResult run_penumbra(const std::string& arguments, const std::filesystem::path& input = "/dev/null");
 
 }  // namespace penumbra::test
 

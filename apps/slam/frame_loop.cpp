@@ -1,0 +1,135 @@
+#include "apps/slam/frame_loop.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "apps/common/interruption.h"
+#include "apps/common/log.h"
+#include "apps/common/progress_bar.h"
+#include "nn/base/error.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Writes what there is so far every --checkpoint seconds, or less often, so that it costs a twentieth of the
+// time at most.
+class Checkpoints {
+ public:
+  explicit Checkpoints(double seconds) : between_(seconds), next_(Clock::now() + between_) {}
+  bool is_due() const { return between_.count() > 0.0 && Clock::now() >= next_; }
+  void write(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
+    constexpr double kWorkPerWriting = 20.0;
+    const Clock::time_point begin = Clock::now();
+    try {
+      write_checkpoint(places, record, run);
+    } catch (const Error& error) {
+      log_warning("checkpoint: {}", error.what());
+    }
+    const Seconds spent = Clock::now() - begin;
+    next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
+  }
+
+ private:
+  using Seconds = std::chrono::duration<double>;
+  const Seconds between_;
+  std::chrono::time_point<Clock, Seconds> next_;
+};
+
+}  // namespace
+
+FrameLoop::FrameLoop(const SlamOptions& options, FrameInput& input, slam::Slam& slam, slam::Recorder& record,
+                     slam::DenseMapper* dense, LiveView* view, SlamRun& run)
+    : options_(options),
+      input_(input),
+      slam_(slam),
+      record_(record),
+      dense_(dense),
+      view_(view),
+      run_(run),
+      check_(input.dataset().camera(), input.dataset().sensor()),
+      poses_(options.poses) {}
+
+void FrameLoop::run(const ResultPlaces& places) {
+  constexpr double kPatience = 0.1;  // seconds, for a stream's next frame, until signals are looked at
+  slam::FrameSource& frames = input_.frames();
+  ProgressBar progress("Tracking", input_.dataset().size());
+  Checkpoints checkpoints(options_.checkpoint);
+  while (run_.error.empty()) {
+    if (Interruption::requested()) {
+      run_.error = fmt::format("interrupted by {} after {} frames", Interruption::signal_name(),
+                               record_.results().size());
+      break;
+    }
+    try {
+      const slam::FrameSource::Next next = frames.wait(kPatience);
+      if (next == slam::FrameSource::Next::end) break;
+      if (next == slam::FrameSource::Next::later) continue;
+      process();
+    } catch (const std::exception& error) {
+      run_.error = error.what();
+    }
+    tell();
+    progress.update(static_cast<int>(record_.results().size()));
+    if (checkpoints.is_due()) {
+      sum_up();
+      checkpoints.write(places, record_, run_);
+    }
+  }
+  run_.input_times.merge(frames.take_times());
+  sum_up();
+}
+
+// The next frame, or what stands for it where its images cannot be read.
+void FrameLoop::process() {
+  slam::FrameSource& frames = input_.frames();
+  std::optional<slam::StereoImages> images;
+  try {
+    images = frames.next();
+  } catch (const InputError& error) {
+    if (options_.strict) throw;
+    log_warning("{}; the frame is taken as lost", error.what());
+  }
+  slam::FrameResult result;
+  if (images) {
+    if (!input_.is_live()) slam_.keep_pace(images->timestamp);
+    result = slam_.process(*images);
+    check_.add(*images, result);
+  } else {
+    result = slam_.process_missing(frames.newest().index, frames.newest().timestamp);
+    check_.add_unreadable(result.index);
+    run_.unreadable_frames.push_back(result.index);
+  }
+  if (dense_ != nullptr && images && dense_->add(input_.dataset().camera(), *images, result))
+    record_.keep_masks_of(result.index);
+  poses_.add(result);
+  const slam::FrameResult& kept = record_.add(std::move(result));
+  if (view_ != nullptr) view_->add(kept, images ? images->left : ByteImage());
+  if (kept.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", kept.index);
+  if (kept.tracking.recovered) log_info("frame {}: found again", kept.index);
+}
+
+void FrameLoop::tell() {
+  for (const std::string& warning : check_.take_warnings()) {
+    log_warning("{}", warning);
+    run_.warnings.push_back(warning);
+  }
+  const std::vector<slam::ClosedLoop> loops = slam_.loops();
+  for (; reported_loops_ < loops.size(); ++reported_loops_) {
+    const slam::ClosedLoop& loop = loops[reported_loops_];
+    log_info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame, loop.earlier_frame,
+             loop.inliers, loop.correction_metres);
+  }
+}
+
+// What takes a look at all frames so far.
+void FrameLoop::sum_up() {
+  run_.median_depth = check_.median_depth();
+  run_.why_lost = check_.why_lost();
+}
+
+}  // namespace penumbra::apps

@@ -1,0 +1,130 @@
+#include "slam/sources/live/live_frames.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "nn/base/error.h"
+#include "slam/sources/depth_levels.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+// The camera for images of this size.
+CameraFile fitted(CameraFile camera, const FrameStream& stream, const std::string& name) {
+  if (camera.sensor != stream.sensor()) {
+    const auto text = [](Sensor sensor) {
+      return sensor == Sensor::rgbd ? "a camera with depth" : "two cameras";
+    };
+    throw InputError(name, fmt::format("frames of {}, as in the calibration", text(camera.sensor)),
+                     text(stream.sensor()));
+  }
+  const Size size = stream.size();
+  if (camera.left.width == 0) {
+    camera.left.width = camera.right.width = size.width;
+    camera.left.height = camera.right.height = size.height;
+  }
+  if (camera.left.width != size.width || camera.left.height != size.height) {
+    throw InputError(
+        name,
+        fmt::format("images of {} x {} pixels, as in the calibration", camera.left.width, camera.left.height),
+        fmt::format("{} x {} (--layout says how two lie in one)", size.width, size.height));
+  }
+  return camera;
+}
+
+}  // namespace
+
+LiveFrames::LiveFrames(FrameStream& stream, ByteInput& input, const CameraFile& camera,
+                       const LiveSettings& settings)
+    : stream_(stream),
+      input_(input),
+      settings_(settings),
+      depth_factor_(camera.depth_factor),
+      camera_(make_camera(fitted(camera, stream, input.name()))),
+      thread_([this] { run(); }) {}
+
+LiveFrames::~LiveFrames() {
+  input_.stop();
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void LiveFrames::run() {
+  try {
+    while (stream_.read(reading_.frame)) {
+      reading_.read = Clock::now();
+      std::unique_lock lock(mutex_);
+      ++counts_.read;
+      if (settings_.drops) {
+        counts_.dropped += is_waiting_ ? 1 : 0;
+      } else {
+        changed_.wait(lock, [&] { return !is_waiting_ || stopped_; });
+      }
+      if (stopped_) break;
+      std::swap(reading_, waiting_);
+      is_waiting_ = true;
+      changed_.notify_all();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+  }
+  const std::lock_guard lock(mutex_);
+  ended_ = true;
+  changed_.notify_all();
+}
+
+FrameSource::Next LiveFrames::wait(double seconds) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return is_waiting_ || ended_; });
+  if (is_waiting_) return Next::frame;
+  if (!ended_) return Next::later;
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  return Next::end;
+}
+
+StereoImages LiveFrames::next() {
+  {
+    const std::lock_guard lock(mutex_);
+    std::swap(waiting_, taken_);
+    is_waiting_ = false;
+    const double delay = std::chrono::duration<double>(Clock::now() - taken_.read).count();
+    counts_.longest_delay = std::max(counts_.longest_delay, delay);
+    delays_ += delay;
+    ++taken_count_;
+  }
+  changed_.notify_all();
+  const auto scope = timer_.measure("taking_apart");
+  newest_ = {taken_.frame.index, taken_.frame.timestamp};
+  StereoImages images;
+  images.index = taken_.frame.index;
+  images.timestamp = taken_.frame.timestamp;
+  WordImage depth;
+  stream_.images(taken_.frame, settings_.colour, images.left, images.right, depth);
+  images.left = camera_.left.linear(std::move(images.left));
+  if (stream_.sensor() == Sensor::stereo) {
+    images.right = camera_.right.linear(std::move(images.right));
+  } else {
+    images.depth = metres_of(camera_.left.nearest(std::move(depth)), depth_factor_);
+  }
+  return images;
+}
+
+StageTimer LiveFrames::take_times() { return timer_.take(); }
+
+LiveCounts LiveFrames::counts() const {
+  const std::lock_guard lock(mutex_);
+  LiveCounts counts = counts_;
+  counts.mean_delay = taken_count_ > 0 ? delays_ / taken_count_ : 0.0;
+  return counts;
+}
+
+}  // namespace penumbra::slam
