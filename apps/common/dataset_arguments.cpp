@@ -8,7 +8,7 @@ namespace penumbra::apps {
 void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const std::string& help) {
   command.add_option("dataset", arguments.folder, help)->required();
   command.add_option("--format", arguments.format, "layout of the dataset")
-      ->check(CLI::IsMember({"auto", "kitti", "euroc", "tum", "folder"}))
+      ->check(CLI::IsMember({"auto", "kitti", "euroc", "published", "tum", "folder"}))
       ->capture_default_str();
   command.add_option("--frames", arguments.frames, "A:B, frames A to B-1 only");
   command.add_option("--step", arguments.step, "take every n-th frame, as a slower camera would")

@@ -14,6 +14,7 @@ struct DatasetArguments {
   int step = 1;
   std::optional<int> image_bits;
   std::optional<double> frame_rate, pair_within;
+  std::string camera;  // calibration file, of what brings none
 };
 
 // Adds the folder itself, described by `help`, and --format, --frames, --step and --image-bits. `arguments`

@@ -122,7 +122,7 @@ void add_calibration_command(CLI::App& app) {
   command->footer(
       "Examples:\n"
       "  penumbra calibration camchain.yaml\n"
-      "  penumbra calibration left.yaml right.yaml -o recording/calibration.yaml\n"
+      "  penumbra calibration left.yaml right.yaml -o calibration.yaml\n"
       "  penumbra calibration stereo.yml --size 752x480\n\n"
       "`penumbra slam` reads all of them under the name calibration.yaml. docs/datasets.md.\n");
   command->callback([options] { calibration(*options); });

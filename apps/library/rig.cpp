@@ -15,12 +15,12 @@ namespace {
 std::shared_ptr<Rig::Parts> parts_of(const Pinhole& camera, double baseline) {
   auto parts = std::make_shared<Rig::Parts>();
   parts->cameras.camera = {.fx = camera.fx,
-                   .fy = camera.fy,
-                   .cx = camera.cx,
-                   .cy = camera.cy,
-                   .baseline = baseline,
-                   .width = camera.width,
-                   .height = camera.height};
+                           .fy = camera.fy,
+                           .cx = camera.cx,
+                           .cy = camera.cy,
+                           .baseline = baseline,
+                           .width = camera.width,
+                           .height = camera.height};
   parts->width = camera.width;
   parts->height = camera.height;
   return parts;

@@ -90,8 +90,8 @@ class Slam::Run {
     }
     slam::Segmenter segmenter;
     if (network_) segmenter = apps::make_segmenter(*network_, cameras().camera, settings_.semantics);
-    auto slam = std::make_shared<slam::Slam>(cameras().camera, parts().sensor, settings_, std::move(segmenter),
-                                             std::move(map));
+    auto slam = std::make_shared<slam::Slam>(cameras().camera, parts().sensor, settings_,
+                                             std::move(segmenter), std::move(map));
     check_.emplace(cameras().camera, parts().sensor);
     places_.clear();
     frames_ = 0;

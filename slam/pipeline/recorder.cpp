@@ -46,8 +46,7 @@ Trajectory Recorder::trajectory() const {
   const std::shared_lock lock(slam_.map().mutex());
   Trajectory trajectory;
   trajectory.reserve(results_.size());
-  for (const FrameResult& result : results_)
-    trajectory.push_back({result.timestamp, result.place.T_wc()});
+  for (const FrameResult& result : results_) trajectory.push_back({result.timestamp, result.place.T_wc()});
   return trajectory;
 }
 

@@ -1,11 +1,13 @@
 // EuRoC MAV layout (Burri et al., IJRR 2016): raw stereo pairs, which are undistorted and rectified here.
 //
 //   mav0/cam0, mav0/cam1       left and right camera, each:
-//     sensor.yaml              resolution, intrinsics, distortion_model, distortion_coefficients, T_BS
+//     sensor.yaml              resolution, intrinsics, distortion_model, distortion_coefficients, T_BS; where
+//                              it is missing dso/camchain.yaml beside mav0/, as TUM-VI has it
 //     data.csv                 "NANOSECONDS,NAME" a line
 //     data/                    the images (PNG or JPEG)
 //   mav0/state_groundtruth_estimate0/data.csv
 //                              "NANOSECONDS, p_RS_R (x y z), q_RS (w x y z), ..." a line: T_WB of the body;
+//   or mav0/mocap0/data.csv    TUM-VI's, likewise;
 //   or groundtruth_tum.txt     beside mav0/: the same in TUM format
 //
 // PATH is the folder with mav0/, or mav0/ itself. Pairs are images with the same time (to 1 ms); images

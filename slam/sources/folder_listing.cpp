@@ -81,6 +81,15 @@ std::vector<fs::path> list_images(const fs::path& folder, std::vector<std::strin
   throw InputError(folder.string(), kExpected, "none");
 }
 
+std::optional<double> number_in_name(std::string_view name) {
+  std::size_t begin = name.size();
+  while (begin > 0 && name[begin - 1] >= '0' && name[begin - 1] <= '9') --begin;
+  if (begin == name.size() || name.size() - begin > 15) return std::nullopt;
+  double number = 0.0;
+  for (const char digit : name.substr(begin)) number = 10.0 * number + (digit - '0');
+  return number;
+}
+
 void require_dataset_folder(const fs::path& path) {
   constexpr const char* kExpected = "the folder of a dataset";
   if (!is_present(path)) throw InputError(path.string(), kExpected, "nothing");

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace penumbra::slam {
@@ -24,6 +26,9 @@ std::vector<std::filesystem::path> list_folder(const std::filesystem::path& fold
 // converts them.
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder,
                                                std::vector<std::string>& notes);
+
+// The number at the end of a name without ending, rgb_00012: 12; none where it ends in something else.
+std::optional<double> number_in_name(std::string_view name);
 
 // Throws InputError unless `path` is a folder with something in it.
 void require_dataset_folder(const std::filesystem::path& path);

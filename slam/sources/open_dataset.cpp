@@ -10,6 +10,7 @@
 #include "slam/sources/folder_listing.h"
 #include "slam/sources/image_folder.h"
 #include "slam/sources/kitti.h"
+#include "slam/sources/published.h"
 #include "slam/sources/tum.h"
 
 namespace penumbra::slam {
@@ -23,10 +24,12 @@ struct Layout {
   std::unique_ptr<StereoDataset> (*open)(const std::filesystem::path&, const DatasetOptions&);
 };
 
-// In the order in which they are tried: TUM's folders may have a calibration.yaml, too.
+// In the order in which they are tried: TUM's folders may have a calibration.yaml, too, and ICL-NUIM's look
+// like TUM's.
 constexpr Layout kLayouts[] = {
     {DatasetFormat::kitti, "kitti", looks_like_kitti, open_kitti},
     {DatasetFormat::euroc, "euroc", looks_like_euroc, open_euroc},
+    {DatasetFormat::published, "published", looks_like_published, open_published},
     {DatasetFormat::tum, "tum", looks_like_tum, open_tum},
     {DatasetFormat::folder, "folder", looks_like_image_folder, open_image_folder},
 };
@@ -36,12 +39,11 @@ constexpr struct {
   const char* mark;
   const char* name;
 } kForeign[] = {
-    {"image_00/data", "a drive of KITTI's raw data"},
-    {"calib_cam_to_cam.txt", "a day of KITTI's raw data"},
-    {"image_left", "TartanAir's layout"},
-    {"undistorted_images", "4Seasons' layout"},
-    {"distorted_images", "4Seasons' layout"},
-    {"stereo", "RobotCar's layout"},
+    {"calib_cam_to_cam.txt", "a day of KITTI's raw data (its drives are read)"},
+    {"data_2d_raw", "all of KITTI-360 (its drives, data_2d_raw/NAME, are read)"},
+    {"distorted_images", "4Seasons' distorted images"},
+    {"stereo.timestamps", "RobotCar's layout, whose raw images need its own tables"},
+    {"aligned_depth.txt", "OpenLORIS' layout"},
     {"rgb_left", "a layout with rgb_left/"},
     {"metadata.yaml", "a ROS 2 bag"},
 };
@@ -72,7 +74,7 @@ DatasetFormat parse_dataset_format(std::string_view name) {
   for (const Layout& layout : kLayouts) {
     if (name == layout.name) return layout.format;
   }
-  throw UsageError(fmt::format("format '{}': expected auto, kitti, euroc, tum or folder", name));
+  throw UsageError(fmt::format("format '{}': expected auto, kitti, euroc, published, tum or folder", name));
 }
 
 std::unique_ptr<StereoDataset> open_dataset(const std::filesystem::path& path,
@@ -92,7 +94,8 @@ std::unique_ptr<StereoDataset> open_dataset(const std::filesystem::path& path,
   throw InputError(
       path.string(),
       "a dataset: KITTI odometry has sequences/ (dataset root), or calib.txt, image_0/ or "
-      "image_2/ (folder of one sequence); EuRoC has mav0/; TUM RGB-D has rgb.txt or rgb/; any other "
+      "image_2/ (folder of one sequence); EuRoC has mav0/; TUM RGB-D has rgb.txt or rgb/; KITTI's raw "
+      "drives, KITTI-360, Virtual KITTI 2, TartanAir, 4Seasons and ICL-NUIM lie as downloaded; any other "
       "camera's images need a calibration.yaml",
       describe_folder(path));
 }

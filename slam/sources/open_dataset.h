@@ -4,8 +4,11 @@
 //                    PATH is ROOT or the sequence's own folder (slam/sources/kitti.h)
 //   EuRoC            mav0/cam0/{sensor.yaml,data.csv,data/}, mav0/cam1/...; PATH is the folder with mav0/, or
 //                    mav0/ itself (slam/sources/euroc.h)
+//   published        KITTI raw and 360, Virtual KITTI, TartanAir, 4Seasons, ICL-NUIM as they are downloaded
+//                    (slam/sources/published.h)
 //   TUM RGB-D        rgb.txt, depth.txt, rgb/, depth/ (slam/sources/tum.h)
-//   folder           calibration.yaml, left/ and right/, or rgb/ and depth/ (slam/sources/image_folder.h)
+//   folder           calibration.yaml, left/ and right/, or rgb/ and depth/, or side_by_side/
+//                    (slam/sources/image_folder.h)
 #pragma once
 
 #include <filesystem>
@@ -19,8 +22,8 @@
 
 namespace penumbra::slam {
 
-enum class DatasetFormat { automatic, kitti, euroc, tum, folder };
-// "auto", "kitti", "euroc", "tum" or "folder"; throws UsageError for another name.
+enum class DatasetFormat { automatic, kitti, euroc, published, tum, folder };
+// "auto", "kitti", "euroc", "published", "tum" or "folder"; throws UsageError for another name.
 DatasetFormat parse_dataset_format(std::string_view name);
 
 // Automatic: colour from RGB-D cameras, grey images where a stereo camera has them.

@@ -24,6 +24,15 @@ namespace fs = std::filesystem;
 constexpr int kPairsLookedAt = 3;  // for their rows
 constexpr double kLongGap = 1.8;   // times the usual step between two frames
 
+// The left half of an image, 0, or its right half, 1.
+ByteImage half_of(const ByteImage& image, int side) {
+  const int width = image.width() / 2, step = image.channels();
+  ByteImage half(width, image.height(), step);
+  for (int y = 0; y < half.height(); ++y)
+    std::copy_n(image.row(y) + side * width * step, width * step, half.row(y));
+  return half;
+}
+
 class RecordedSequence final : public StereoDataset {
  public:
   RecordedSequence(Recording recording, const DatasetOptions& options) : r_(std::move(recording)) {
@@ -41,7 +50,8 @@ class RecordedSequence final : public StereoDataset {
     look_at_images(readable, options);
     size_is_given_ = r_.camera.width > 0;
     if (!size_is_given_) {
-      const Size size = levels_.read(frame(readable).left, r_.colour).size();
+      const ByteImage image = levels_.read(frame(readable).left, r_.colour);
+      const Size size = r_.side_by_side ? half_of(image, 0).size() : image.size();
       r_.camera.width = size.width;
       r_.camera.height = size.height;
     }
@@ -63,7 +73,13 @@ class RecordedSequence final : public StereoDataset {
     StereoImages images;
     images.index = f.index;
     images.timestamp = f.timestamp;
-    images.left = r_.left.linear(checked(levels_.read(f.left, r_.colour), f.left));
+    ByteImage first = levels_.read(f.left, r_.colour);
+    if (r_.side_by_side) {
+      images.left = r_.left.linear(checked(half_of(first, 0), f.left));
+      images.right = r_.right.linear(checked(half_of(first, 1), f.left));
+      return images;
+    }
+    images.left = r_.left.linear(checked(std::move(first), f.left));
     if (r_.sensor == Sensor::stereo) {
       images.right = r_.right.linear(checked(levels_.read(f.second, r_.colour), f.second));
     } else {

@@ -25,6 +25,7 @@ struct Recording {
   std::string name;   // for logs and reports
   std::string place;  // folder, for messages
   Sensor sensor = Sensor::stereo;
+  bool side_by_side = false;          // `left` and `second` are one image: its left and its right half
   std::vector<RecordedFrame> frames;  // all of the sequence
   StereoCamera camera;                // of the rectified images; width 0: as the first image
   Remap left, right;                  // to rectified images

@@ -27,7 +27,7 @@ struct KnownCamera {
   LensCamera lens;
 };
 
-// The benchmark's own calibration of its three colour cameras ("Intrinsic Camera Calibration of the Kinect").
+// TUM's own calibration of its three colour cameras ("Intrinsic Camera Calibration of the Kinect").
 const KnownCamera kCameras[] = {
     {{"freiburg1", "fr1"},
      {517.306408,
@@ -48,6 +48,16 @@ const KnownCamera kCameras[] = {
       640,
       480}},
     {{"freiburg3", "fr3"}, {535.4, 539.2, 320.1, 247.6, LensModel::radial_tangential, {}, 640, 480}},
+    // Bonn's dynamic data set, whose page has the numbers.
+    {{"rgbd_bonn", "rgbd_bonn"},
+     {542.822841,
+      542.576870,
+      315.593520,
+      237.756098,
+      LensModel::radial_tangential,
+      {0.039903, -0.099343, -0.000730, -0.000144, 0.0},
+      640,
+      480}},
 };
 
 // What the folder was called by who asked for it, perhaps a link's own name, and what it is called where it
@@ -68,6 +78,8 @@ CameraFile find_camera(const fs::path& folder, const std::string& names) {
     }
     return file;
   }
+  // ETH3D's.
+  if (is_present(folder / "calibration.txt")) return read_camera_file(folder / "calibration.txt");
   for (const KnownCamera& known : kCameras) {
     if (names.find(known.names[0]) == std::string::npos && names.find(known.names[1]) == std::string::npos)
       continue;
@@ -79,7 +91,7 @@ CameraFile find_camera(const fs::path& folder, const std::string& names) {
     return file;
   }
   throw InputError(folder.string(),
-                   "a calibration.yaml, or a folder name with freiburg1, freiburg2 or freiburg3",
+                   "a calibration.yaml, or a folder name with freiburg1, freiburg2, freiburg3 or rgbd_bonn",
                    fmt::format("neither in '{}'", names));
 }
 

@@ -56,6 +56,24 @@ done > V1_01_easy/mav0/state_groundtruth_estimate0/data.csv
 synth --sensor rgbd --frames 8 --out rgbd_dataset_freiburg1_xyz
 cp rgbd_dataset_freiburg1_xyz/groundtruth.txt groundtruth.txt
 
+# Calibration files of other tools.
+for i in 0 1; do
+  printf 'cam%s:\n  camera_model: pinhole\n  intrinsics: [70, 70, 40, 30]\n  distortion_model: radtan\n' $i
+  printf '  distortion_coeffs: [0.01, 0, 0, 0]\n  resolution: [80, 60]\n'
+done > camchain.yaml
+echo '  T_cn_cnm1: [1, 0, 0, -0.1, 0, 1, 0, 0, 0, 0, 1, 0]' >> camchain.yaml
+for side in left:0 right:-7; do
+  printf 'image_width: 80\nimage_height: 60\ncamera_matrix:\n  data: [70, 0, 40, 0, 70, 30, 0, 0, 1]\ndistortion_model: plumb_bob\n'
+  printf 'distortion_coefficients:\n  data: [0.01, 0, 0, 0, 0]\nrectification_matrix:\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n'
+  printf 'projection_matrix:\n  data: [70, 0, 40, %s, 0, 70, 30, 0, 0, 0, 1, 0]\n' ${side#*:}
+done | csplit -sz -f camera_info - '/^image_width/' '{*}'
+mv camera_info00 left.yaml
+mv camera_info01 right.yaml
+for i in 1 2; do
+  printf 'K%s: [70, 0, 40, 0, 70, 30, 0, 0, 1]\nD%s: [0.01, 0, 0, 0, 0]\n' $i $i
+done > stereo.yml
+printf 'R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.1, 0, 0]\n' >> stereo.yml
+
 synth --frames 8 --annotations --out out/street
 ln -s street out/06
 synth --scene office --frames 6 --annotations --out out/walking_xyz

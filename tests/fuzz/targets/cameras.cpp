@@ -3,8 +3,8 @@
 
 #include "slam/sources/calibration/calibration.h"
 #include "slam/sources/calibration/sensor_yaml.h"
-#include "slam/sources/image_list.h"
 #include "slam/sources/calibration/yaml_file.h"
+#include "slam/sources/image_list.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
 

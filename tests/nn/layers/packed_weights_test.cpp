@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "nn/base/counter_random.h"
+#include "nn/base/half.h"
 #include "nn/base/parallel.h"
 
 namespace penumbra::nn {

@@ -162,7 +162,7 @@ TEST_F(Euroc, BrokenCalibrationIsRefused) {
   };
   with("70.0, 70.0", "0.0, 70.0", {"cam1/sensor.yaml:13 (intrinsics)", "focal lengths > 0"});
   with("70.0, 70.0", "nan, 70.0", {"(intrinsics)", "a finite number"});
-  with("[80, 60]", "[80, 0]", {"(resolution)", "width and height"});
+  with("[80, 60]", "[80, 0]", {"(resolution)", "a whole number of pixels", "0"});
   with("[80, 60]", "[60000, 60000]", {"(resolution)", "an image that can be"});
   with("[80, 60]", "[80, 61]", {"same size", "80 x 61"});
   with("pinhole", "omni", {"(camera_model)", "pinhole", "'omni'"});

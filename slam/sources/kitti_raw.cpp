@@ -1,0 +1,161 @@
+#include "slam/sources/kitti_raw.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "nn/base/error.h"
+#include "nn/base/number_file.h"
+#include "nn/base/text.h"
+#include "slam/sources/calibration/camera_file.h"
+#include "slam/sources/folder_listing.h"
+
+namespace penumbra::slam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Lines "label: numbers".
+class LabelledNumbers {
+ public:
+  LabelledNumbers(const fs::path& path, std::string_view expected) : path_(path) {
+    nn::LineReader reader(path, expected);
+    while (const std::optional<std::string_view> line = reader.next()) {
+      const std::size_t colon = line->find(':');
+      if (colon == std::string_view::npos) continue;
+      lines_.try_emplace(std::string(line->substr(0, colon)),
+                         Line{reader.place(), std::string(line->substr(colon + 1))});
+    }
+  }
+  std::vector<double> numbers(const std::string& label, std::size_t count) const {
+    const auto at = lines_.find(label);
+    const std::string expected = fmt::format("'{}:' with {} numbers", label, count);
+    if (at == lines_.end()) throw InputError(path_.string(), expected, "no such line");
+    std::vector<double> values = nn::parse_numbers(at->second.text, at->second.place);
+    if (values.size() != count)
+      throw InputError(at->second.place, expected, fmt::format("{}", values.size()));
+    return values;
+  }
+  std::string place(const std::string& label) const { return lines_.at(label).place; }
+  SE3 motion() const { return rigid_motion(numbers("R", 9), numbers("T", 3), path_.string()); }
+
+ private:
+  struct Line {
+    std::string place, text;
+  };
+  fs::path path_;
+  std::map<std::string, Line> lines_;
+};
+
+std::string camera_label(const char* what, int camera) { return fmt::format("{}_rect_0{}", what, camera); }
+
+constexpr double kRadians = std::numbers::pi / 180.0;
+constexpr double kEarthRadius = 6378137.0;  // metres
+
+// T_w_imu of one packet: lat lon alt roll pitch yaw, and what else it measures.
+SE3 pose_of_packet(const fs::path& path, double scale) {
+  nn::LineReader reader(path, "a packet of KITTI's inertial sensor");
+  const std::vector<double> v = nn::parse_numbers(reader.next().value_or(""), path.string());
+  if (v.size() < 6)
+    throw InputError(path.string(), "lat lon alt roll pitch yaw", fmt::format("{} numbers", v.size()));
+  SE3 T;
+  T.translation = {scale * kEarthRadius * v[1] * kRadians,
+                   scale * kEarthRadius * std::log(std::tan((90.0 + v[0]) * kRadians / 2.0)), v[2]};
+  T.rotation =
+      (Eigen::AngleAxisd(v[5], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(v[4], Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(v[3], Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  return T;
+}
+
+double latitude_of(const fs::path& path) {
+  nn::LineReader reader(path, "a packet of KITTI's inertial sensor");
+  const std::vector<double> v = nn::parse_numbers(reader.next().value_or(""), path.string());
+  return v.empty() ? 0.0 : v.front();
+}
+
+}  // namespace
+
+StereoCamera read_kitti_raw_calibration(const fs::path& path, int left, int right) {
+  const LabelledNumbers file(path, "the calibration of KITTI's raw data, P_rect_00 and so on");
+  const std::vector<double> P = file.numbers(camera_label("P", left), 12),
+                            Q = file.numbers(camera_label("P", right), 12),
+                            size = file.numbers(camera_label("S", left), 2);
+  StereoCamera camera;
+  camera.fx = P[0];
+  camera.fy = P[5];
+  camera.cx = P[2];
+  camera.cy = P[6];
+  camera.width = static_cast<int>(size[0]);
+  camera.height = static_cast<int>(size[1]);
+  camera.baseline = (P[3] - Q[3]) / P[0];
+  if (!(camera.fx > 0.0 && camera.fy > 0.0 && camera.width > 0 && camera.height > 0 && size[0] < 65536.0 &&
+        size[1] < 65536.0)) {
+    throw InputError(file.place(camera_label("P", left)), "focal lengths and an image size > 0",
+                     fmt::format("{:g}, {:g}, {:g} x {:g}", P[0], P[5], size[0], size[1]));
+  }
+  if (!(camera.baseline > 0.0 && std::isfinite(camera.baseline))) {
+    throw InputError(file.place(camera_label("P", right)),
+                     fmt::format("a camera to the right of camera {}", left),
+                     fmt::format("a baseline of {:g} m", camera.baseline));
+  }
+  return camera;
+}
+
+std::vector<double> read_date_list(const fs::path& path) {
+  std::vector<double> seconds;
+  nn::LineReader reader(path, "KITTI's timestamps.txt");
+  while (const std::optional<std::string_view> line = reader.next()) {
+    int year = 0, hour = 0, minute = 0, used = 0;
+    unsigned month = 0, day = 0;
+    double second = 0.0;
+    const std::string text(*line);
+    const int found = std::sscanf(text.c_str(), "%d-%u-%u %d:%d:%lf%n", &year, &month, &day, &hour, &minute,
+                                  &second, &used);
+    const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(month),
+                                           std::chrono::day(day)};
+    if (found != 6 || used != static_cast<int>(text.size()) || !date.ok() || hour < 0 || hour > 23 ||
+        minute < 0 || minute > 59 || !(second >= 0.0 && second < 61.0)) {
+      throw InputError(reader.place(), "a date and a time, 2011-09-26 13:02:25.064389445",
+                       fmt::format("'{}'", printable(text, 40)));
+    }
+    const auto days = std::chrono::sys_days(date).time_since_epoch().count();
+    seconds.push_back(static_cast<double>(days) * 86400.0 + hour * 3600.0 + minute * 60.0 + second);
+  }
+  return seconds;
+}
+
+Trajectory read_oxts_poses(const fs::path& drive, int left, std::vector<std::string>& notes) {
+  const fs::path day = drive.parent_path(), velo = day / "calib_imu_to_velo.txt",
+                 cam = day / "calib_velo_to_cam.txt";
+  if (!is_present(velo) || !is_present(cam)) {
+    notes.push_back(
+        fmt::format("no ground truth: {} and {} are needed beside oxts/", velo.string(), cam.string()));
+    return {};
+  }
+  const LabelledNumbers cameras(day / "calib_cam_to_cam.txt", "the calibration of KITTI's raw data");
+  const std::vector<double> P = cameras.numbers(camera_label("P", left), 12);
+  const SE3 T_rect_cam0 =
+      rigid_motion(cameras.numbers("R_rect_00", 9), {P[3] / P[0], 0.0, 0.0}, cameras.place("R_rect_00"));
+  const SE3 T_left_imu = T_rect_cam0 * LabelledNumbers(cam, "KITTI's calib_velo_to_cam.txt").motion() *
+                         LabelledNumbers(velo, "KITTI's calib_imu_to_velo.txt").motion();
+  Trajectory truth;
+  const std::vector<fs::path> packets = list_folder(drive / "oxts" / "data");
+  if (packets.empty()) return truth;
+  const double scale = std::cos(latitude_of(packets.front()) * kRadians);
+  const SE3 T_imu_left = T_left_imu.inverse();
+  const SE3 T_first_w = (pose_of_packet(packets.front(), scale) * T_imu_left).inverse();
+  for (const fs::path& packet : packets) {
+    const std::optional<double> number = number_in_name(packet.stem().string());
+    if (number) truth.push_back({*number, T_first_w * pose_of_packet(packet, scale) * T_imu_left});
+  }
+  return truth;
+}
+
+}  // namespace penumbra::slam

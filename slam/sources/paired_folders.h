@@ -1,0 +1,41 @@
+// Two folders of images, left and right or colour and depth, and what a data set tells of them: what most
+// layouts come to. Images of one name belong together (slam/sources/image_pairs.h).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slam/geometry/trajectory.h"
+#include "slam/sources/calibration/calibration.h"
+#include "slam/sources/open_dataset.h"
+
+namespace penumbra::slam {
+
+// Lines of a file, one for every left image, for every name in either folder, or for every pair.
+template <typename T>
+struct ImageLines {
+  std::filesystem::path file;  // for messages; empty: there is none
+  std::vector<T> lines;
+};
+
+struct PairedFolders {
+  std::string name;                     // for reports
+  std::filesystem::path place;          // of the recording, for messages
+  std::filesystem::path first, second;  // folders of images
+  bool side_by_side = false;            // one folder, of images that show both
+  CameraFile camera;
+  ImageLines<double> times;    // seconds; without: in the names, or from the rate
+  std::optional<double> rate;  // Hz, of the layout, where neither times nor the user tell
+  ImageLines<SE3> poses;       // T_wc of the raw left camera
+  Trajectory truth;            // the same with times
+  Trajectory numbered_truth;   // or with the numbers at the end of the images' names as times
+  std::vector<std::string> notes;
+};
+
+// Throws InputError naming the file and what is wrong with it: no pairs, lines for other images, no times.
+std::unique_ptr<StereoDataset> open_paired_folders(PairedFolders folders, const DatasetOptions& options);
+
+}  // namespace penumbra::slam
