@@ -51,9 +51,11 @@ ByteImage read_photograph(const std::filesystem::path& path, nn::ImageOrientatio
   const nn::ImageInfo info = nn::read_image_info(path);
   if (info.bit_depth != 16) return nn::read_image(path, nn::ImageColour::bgr, orientation);
   std::vector<std::string> unused;
-  const slam::ImageLevels levels(std::span(&path, 1), std::nullopt, unused);
+  const std::shared_ptr<const slam::ImageReader> files = slam::file_images();
+  const slam::ImageKey image_file(path);
+  const slam::ImageLevels levels(*files, std::span(&image_file, 1), std::nullopt, unused);
   if (levels.bits() < 16) log_warning("{}: {} of 16 bits are taken to be used", path.string(), levels.bits());
-  const ByteImage image = levels.read(path, nn::ImageColour::bgr);
+  const ByteImage image = levels.read(*files, image_file, nn::ImageColour::bgr);
   return orientation == nn::ImageOrientation::upright ? nn::turn_upright(image, info.orientation) : image;
 }
 

@@ -44,10 +44,9 @@ ByteImage upper_bits(const WordImage& words, int significant_bits) {
   return bytes;
 }
 
-StoredImage decode_image(const std::filesystem::path& path, ImageColour colour, bool eight_bits,
-                         std::string_view expected) {
+StoredImage decode(std::string bytes, ImageColour colour, bool eight_bits, const std::filesystem::path& path,
+                   std::string_view expected) {
   const std::string place = path.string();
-  std::string bytes = read_image_bytes(path, expected);
   if (looks_like_png(bytes)) {
     const ImageInfo info = check_png(bytes, place);
     return decode_png(bytes, info, colour, eight_bits, place);
@@ -79,6 +78,11 @@ StoredImage decode_image(const std::filesystem::path& path, ImageColour colour, 
   return image;
 }
 
+StoredImage decode_file(const std::filesystem::path& path, ImageColour colour, bool eight_bits,
+                        std::string_view expected) {
+  return decode(read_image_bytes(path, expected), colour, eight_bits, path, expected);
+}
+
 // PGM or PPM, whose colours are red, green, blue.
 std::string encode_netpbm(const ByteView& image) {
   std::string bytes =
@@ -96,17 +100,29 @@ std::string encode_netpbm(const ByteView& image) {
 std::string image_ending(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
 ByteImage read_image(const std::filesystem::path& path, ImageColour colour, ImageOrientation orientation) {
-  const StoredImage image = decode_image(path, colour, /*eight_bits=*/true, kReadImages);
+  const StoredImage image = decode_file(path, colour, /*eight_bits=*/true, kReadImages);
   return orientation == ImageOrientation::upright ? turn_upright(image.bytes, image.info.orientation)
                                                   : image.bytes;
 }
 
 StoredImage read_stored_image(const std::filesystem::path& path, ImageColour colour) {
-  return decode_image(path, colour, /*eight_bits=*/false, kReadImages);
+  return decode_file(path, colour, /*eight_bits=*/false, kReadImages);
+}
+
+StoredImage read_image_bits(const std::filesystem::path& path, ImageColour colour, ImageBits bits) {
+  return decode_file(path, colour, bits == ImageBits::eight, kReadImages);
 }
 
 ImageInfo read_image_info(const std::filesystem::path& path) {
-  std::string bytes = read_image_bytes(path, kReadImages);
+  return image_info(read_image_bytes(path, kReadImages), path);
+}
+
+StoredImage decode_image(std::string bytes, ImageColour colour, ImageBits bits,
+                         const std::filesystem::path& place) {
+  return decode(std::move(bytes), colour, bits == ImageBits::eight, place, kReadImages);
+}
+
+ImageInfo image_info(std::string bytes, const std::filesystem::path& path) {
   const std::string place = path.string();
   if (looks_like_png(bytes)) return check_png(bytes, place);
   if (looks_like_jpeg(bytes)) return check_jpeg(bytes, place);
@@ -114,7 +130,7 @@ ImageInfo read_image_info(const std::filesystem::path& path) {
 }
 
 WordImage read_depth_image(const std::filesystem::path& path, std::string_view expected) {
-  const StoredImage image = decode_image(path, ImageColour::stored, /*eight_bits=*/false, expected);
+  const StoredImage image = decode_file(path, ImageColour::stored, /*eight_bits=*/false, expected);
   if (!image.is_wide() || image.channels() != 1) {
     throw InputError(path.string(), expected,
                      fmt::format("{} channels of {} bits", image.channels(), image.is_wide() ? 16 : 8));

@@ -27,8 +27,18 @@ ByteImage read_image(const std::filesystem::path& path, ImageColour colour,
 // The same with all bits that the file has: 8 or 16 a channel, not scaled; the sensor's orientation.
 StoredImage read_stored_image(const std::filesystem::path& path, ImageColour colour);
 
+// All bits that the file has, or the upper 8 of its significant ones.
+enum class ImageBits { stored, eight };
+StoredImage read_image_bits(const std::filesystem::path& path, ImageColour colour, ImageBits bits);
+
 // What the file says about itself, checked as above; its rows are not decoded.
 ImageInfo read_image_info(const std::filesystem::path& path);
+
+// The same of bytes that lie in another file; `place` names them. The pixels of a 16-bit grey image are what
+// read_depth_image returns.
+StoredImage decode_image(std::string bytes, ImageColour colour, ImageBits bits,
+                         const std::filesystem::path& place);
+ImageInfo image_info(std::string bytes, const std::filesystem::path& place);
 
 // Reads a 16-bit grey PNG or PGM, such as a depth map, as it is. Throws InputError as above, and for any
 // other image; `expected` says what it should have been.

@@ -71,14 +71,18 @@ void Remap::linear(const ByteImage& image, ByteImage& out) const {
   }
 }
 
-void Remap::nearest(const WordImage& image, WordImage& out) const {
+template <class T>
+void Remap::take_nearest(const Image<T>& image, Image<T>& out) const {
   if (is_identity()) {
     out = image;
     return;
   }
   out.create(size_.width, size_.height);
-  std::uint16_t* to = out.data();
-  for (const std::int32_t pixel : nearest_) *to++ = pixel < 0 ? std::uint16_t{0} : image.data()[pixel];
+  T* to = out.data();
+  for (const std::int32_t pixel : nearest_) *to++ = pixel < 0 ? T{0} : image.data()[pixel];
 }
+
+void Remap::nearest(const WordImage& image, WordImage& out) const { take_nearest(image, out); }
+void Remap::nearest(const FloatImage& image, FloatImage& out) const { take_nearest(image, out); }
 
 }  // namespace penumbra

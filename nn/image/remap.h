@@ -27,19 +27,24 @@ class Remap {
   bool is_identity() const { return places_.empty(); }
   // `image`: 8 bits, 1 or 3 channels. `out` keeps its memory where it can.
   void linear(const ByteImage& image, ByteImage& out) const;
-  void nearest(const WordImage& image, WordImage& out) const;  // 1 channel
+  void nearest(const WordImage& image, WordImage& out) const;    // 1 channel
+  void nearest(const FloatImage& image, FloatImage& out) const;  // likewise
   ByteImage linear(const ByteImage& image) const {
     ByteImage out;
     linear(image, out);
     return out;
   }
-  WordImage nearest(const WordImage& image) const {
-    WordImage out;
+  template <class T>
+  Image<T> nearest(const Image<T>& image) const {
+    Image<T> out;
     nearest(image, out);
     return out;
   }
 
  private:
+  template <class T>
+  void take_nearest(const Image<T>& image, Image<T>& out) const;
+
   Size size_, source_;
   std::vector<std::int16_t> places_;   // columns and rows of the upper left one of four pixels
   std::vector<std::uint8_t> dx_, dy_;  // 32nds

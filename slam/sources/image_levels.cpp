@@ -10,19 +10,17 @@ namespace penumbra::slam {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::size_t kLookedAt = 16;  // images
 
 // The highest level of images from all over the recording. Those that cannot be read are for the run to
 // report.
-int highest_level(std::span<const fs::path> images) {
+int highest_level(const ImageReader& reader, std::span<const ImageKey> images) {
   int highest = 0;
   const std::size_t count = std::min(kLookedAt, images.size());
   for (std::size_t i = 0; i < count; ++i) {
     try {
       const WordImage words =
-          nn::read_stored_image(images[i * images.size() / count], nn::ImageColour::grey).words;
+          reader.read(images[i * images.size() / count], nn::ImageColour::grey, nn::ImageBits::stored).words;
       if (words.empty()) continue;
       highest = std::max<int>(highest, *std::max_element(words.data(), words.data() + words.elements()));
     } catch (const InputError&) {
@@ -41,12 +39,12 @@ int bits_for(int level) {
 
 }  // namespace
 
-ImageLevels::ImageLevels(std::span<const fs::path> images, std::optional<int> bits,
+ImageLevels::ImageLevels(const ImageReader& reader, std::span<const ImageKey> images, std::optional<int> bits,
                          std::vector<std::string>& notes) {
   if (bits && (*bits < 8 || *bits > 16)) {
     throw UsageError(fmt::format("--image-bits {}: expected 8 to 16", *bits));
   }
-  const nn::ImageInfo info = nn::read_image_info(images.front());
+  const nn::ImageInfo info = reader.info(images.front());
   if (info.bit_depth != 16) {
     if (bits && *bits != 8) {
       notes.push_back(
@@ -54,7 +52,7 @@ ImageLevels::ImageLevels(std::span<const fs::path> images, std::optional<int> bi
     }
     return;
   }
-  const int highest = highest_level(images);
+  const int highest = highest_level(reader, images);
   const bool file_says = info.significant_bits < 16 && highest < 1 << info.significant_bits;
   bits_ = bits ? *bits : file_says ? std::max(8, info.significant_bits) : bits_for(highest);
   notes.push_back(
@@ -70,9 +68,9 @@ ImageLevels::ImageLevels(std::span<const fs::path> images, std::optional<int> bi
   }
 }
 
-ByteImage ImageLevels::read(const fs::path& path, nn::ImageColour colour) const {
-  if (bits_ == 0 || bits_ == 16) return nn::read_image(path, colour);
-  const nn::StoredImage image = nn::read_stored_image(path, colour);
+ByteImage ImageLevels::read(const ImageReader& reader, const ImageKey& key, nn::ImageColour colour) const {
+  if (bits_ == 0 || bits_ == 16) return reader.read(key, colour, nn::ImageBits::eight).bytes;
+  const nn::StoredImage image = reader.read(key, colour, nn::ImageBits::stored);
   if (!image.is_wide()) return image.bytes;
   const WordImage& words = image.words;
   ByteImage levels(words.width(), words.height(), words.channels());

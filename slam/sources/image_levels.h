@@ -12,13 +12,13 @@
 //     all over the recording.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "nn/image/image_file.h"
+#include "slam/sources/image_reader.h"
 
 namespace penumbra::slam {
 
@@ -28,13 +28,13 @@ class ImageLevels {
   // Of a recording's images, in the order of time; adds to `notes` what was found where the files have 16
   // bits, and what does not fit `bits` where that is given. Throws InputError where the first image is not
   // readable, UsageError for bits out of 8..16.
-  ImageLevels(std::span<const std::filesystem::path> images, std::optional<int> bits,
+  ImageLevels(const ImageReader& reader, std::span<const ImageKey> images, std::optional<int> bits,
               std::vector<std::string>& notes);
 
   // Of 16-bit files, that are taken to be used.
   int bits() const { return bits_ == 0 ? 16 : bits_; }
   // As nn::read_image, with these levels.
-  ByteImage read(const std::filesystem::path& path, nn::ImageColour colour) const;
+  ByteImage read(const ImageReader& reader, const ImageKey& key, nn::ImageColour colour) const;
 
  private:
   int bits_ = 0;  // of 16-bit files; 0: the upper 8 of what the file says

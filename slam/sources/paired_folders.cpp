@@ -83,7 +83,7 @@ Trajectory truth_of_pairs(const PairedFolders& folders, const ImagePairs& images
     std::map<double, SE3> by_number;
     for (const TimedPose& pose : folders.numbered_truth) by_number[pose.timestamp] = pose.T_wc;
     for (const RecordedFrame& frame : frames) {
-      const auto at = by_number.find(number_in_name(frame.left.stem().string()).value_or(-1.0));
+      const auto at = by_number.find(number_in_name(frame.left.file.stem().string()).value_or(-1.0));
       if (at != by_number.end()) truth.push_back({frame.timestamp, at->second});
     }
     return truth;
@@ -128,7 +128,7 @@ std::unique_ptr<StereoDataset> open_paired_folders(PairedFolders folders, const 
   recording.camera = camera.camera;
   recording.left = camera.left;
   recording.right = camera.right;
-  recording.depth_factor = folders.camera.depth_factor;
+  recording.images = file_images(folders.camera.depth_factor);
   recording.colour = colour_of(
       options.cameras, folders.camera.colour.value_or(rgbd) ? nn::ImageColour::bgr : nn::ImageColour::grey);
   for (const Notes& notes : {folders.notes, folders.camera.notes, images.notes})

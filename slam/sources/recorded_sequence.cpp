@@ -11,7 +11,6 @@
 #include "nn/image/exif.h"
 #include "slam/geometry/association.h"
 #include "slam/sources/camera_check.h"
-#include "slam/sources/depth_levels.h"
 #include "slam/sources/image_levels.h"
 #include "slam/sources/row_check.h"
 
@@ -50,7 +49,7 @@ class RecordedSequence final : public StereoDataset {
     look_at_images(readable, options);
     size_is_given_ = r_.camera.width > 0;
     if (!size_is_given_) {
-      const ByteImage image = levels_.read(frame(readable).left, r_.colour);
+      const ByteImage image = read(frame(readable).left);
       const Size size = r_.side_by_side ? half_of(image, 0).size() : image.size();
       r_.camera.width = size.width;
       r_.camera.height = size.height;
@@ -73,7 +72,7 @@ class RecordedSequence final : public StereoDataset {
     StereoImages images;
     images.index = f.index;
     images.timestamp = f.timestamp;
-    ByteImage first = levels_.read(f.left, r_.colour);
+    ByteImage first = read(f.left);
     if (r_.side_by_side) {
       images.left = r_.left.linear(checked(half_of(first, 0), f.left));
       images.right = r_.right.linear(checked(half_of(first, 1), f.left));
@@ -81,11 +80,10 @@ class RecordedSequence final : public StereoDataset {
     }
     images.left = r_.left.linear(checked(std::move(first), f.left));
     if (r_.sensor == Sensor::stereo) {
-      images.right = r_.right.linear(checked(levels_.read(f.second, r_.colour), f.second));
+      images.right = r_.right.linear(checked(read(f.second), f.second));
     } else {
-      const WordImage levels = r_.left.nearest(checked(nn::read_depth_image(f.second), f.second));
       images.depth_delay = f.depth_delay;
-      images.depth = metres_of(levels, r_.depth_factor);
+      images.depth = r_.left.nearest(checked(r_.images->depth(f.second), f.second));
     }
     return images;
   }
@@ -93,10 +91,12 @@ class RecordedSequence final : public StereoDataset {
  private:
   const RecordedFrame& frame(int i) const { return r_.frames[static_cast<std::size_t>(i)]; }
 
+  ByteImage read(const ImageKey& key) const { return levels_.read(*r_.images, key, r_.colour); }
+
   template <class T>
-  Image<T> checked(Image<T> image, const fs::path& path) const {
+  Image<T> checked(Image<T> image, const ImageKey& key) const {
     if (image.width() != r_.camera.width || image.height() != r_.camera.height) {
-      throw InputError(path.string(),
+      throw InputError(r_.images->name(key),
                        fmt::format("{} x {} pixels as in {}", r_.camera.width, r_.camera.height,
                                    size_is_given_ ? "the calibration" : "the first left image"),
                        fmt::format("{} x {}", image.width(), image.height()));
@@ -111,7 +111,7 @@ class RecordedSequence final : public StereoDataset {
     };
     const auto first = std::adjacent_find(r_.frames.begin(), r_.frames.end(), is_repeated);
     if (first == r_.frames.end()) return;
-    const std::string name = std::next(first)->left.filename().string();
+    const std::string name = fs::path(r_.images->name(std::next(first)->left)).filename().string();
     const std::size_t count = r_.frames.size();
     r_.frames.erase(std::unique(r_.frames.begin(), r_.frames.end(), is_repeated), r_.frames.end());
     r_.notes.push_back(fmt::format("{} frames have the time of the frame before and are left out, first {}",
@@ -125,8 +125,8 @@ class RecordedSequence final : public StereoDataset {
     std::exception_ptr reason;
     for (int i = 0; i < std::min(kTried, size()); ++i) {
       try {
-        nn::read_stored_image(frame(i).left, r_.colour);
-        if (r_.sensor == Sensor::stereo) nn::read_stored_image(frame(i).second, r_.colour);
+        r_.images->read(frame(i).left, r_.colour, nn::ImageBits::stored);
+        if (r_.sensor == Sensor::stereo) r_.images->read(frame(i).second, r_.colour, nn::ImageBits::stored);
         return i;
       } catch (const InputError&) {
         if (!reason) reason = std::current_exception();
@@ -137,18 +137,18 @@ class RecordedSequence final : public StereoDataset {
 
   // What is to be known about the files before their pixels are read, from the frame `begin` on.
   void look_at_images(int begin, const DatasetOptions& options) {
-    std::vector<fs::path> images;
+    std::vector<ImageKey> images;
     for (int i = begin; i < size(); ++i) {
       images.push_back(frame(i).left);
       if (r_.sensor == Sensor::stereo) images.push_back(frame(i).second);
     }
-    levels_ = ImageLevels(images, options.image_bits, r_.notes);
-    const int orientation = nn::read_image_info(images.front()).orientation;
+    levels_ = ImageLevels(*r_.images, images, options.image_bits, r_.notes);
+    const int orientation = r_.images->info(images.front()).orientation;
     if (orientation != nn::kUpright) {
       r_.notes.push_back(
           fmt::format("{}: EXIF says that the camera was turned (orientation {}); images are taken as "
                       "the sensor has them, as the calibration is",
-                      images.front().string(), orientation));
+                      r_.images->name(images.front()), orientation));
     }
   }
 
@@ -157,7 +157,7 @@ class RecordedSequence final : public StereoDataset {
     for (std::size_t i = 1; i < r_.frames.size(); ++i) {
       const double before = r_.frames[i - 1].timestamp, now = r_.frames[i].timestamp;
       if (!(now > before)) {
-        throw InputError(r_.frames[i].left.string(), fmt::format("a time after {:.6f} s", before),
+        throw InputError(r_.images->name(r_.frames[i].left), fmt::format("a time after {:.6f} s", before),
                          fmt::format("{:.6f} s", now));
       }
       steps.push_back(now - before);

@@ -1,4 +1,5 @@
-// What the readers of all layouts end in: a list of frames with their files, and how to make images of them.
+// What the readers of all layouts end in: a list of frames with their images, where these are read from, and
+// how to make rectified ones of them.
 #pragma once
 
 #include <filesystem>
@@ -7,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "nn/image/image_file.h"
 #include "slam/geometry/rectification.h"
+#include "slam/sources/image_reader.h"
 #include "slam/sources/open_dataset.h"
 #include "slam/sources/stereo_dataset.h"
 
 namespace penumbra::slam {
 
 struct RecordedFrame {
-  int index = 0;                       // frame number in the sequence
-  double timestamp = 0.0;              // seconds
-  std::filesystem::path left, second;  // the second image: right, or depth
-  double depth_delay = 0.0;            // StereoImages::depth_delay
+  int index = 0;             // frame number in the sequence
+  double timestamp = 0.0;    // seconds
+  ImageKey left, second;     // the second image: right, or depth
+  double depth_delay = 0.0;  // StereoImages::depth_delay
 };
 
 struct Recording {
@@ -27,11 +28,11 @@ struct Recording {
   Sensor sensor = Sensor::stereo;
   bool side_by_side = false;          // `left` and `second` are one image: its left and its right half
   std::vector<RecordedFrame> frames;  // all of the sequence
-  StereoCamera camera;                // of the rectified images; width 0: as the first image
-  Remap left, right;                  // to rectified images
+  std::shared_ptr<const ImageReader> images = file_images();
+  StereoCamera camera;  // of the rectified images; width 0: as the first image
+  Remap left, right;    // to rectified images
   nn::ImageColour colour = nn::ImageColour::grey;
-  double depth_factor = 0.0;  // levels a metre (RGB-D)
-  Trajectory ground_truth;    // T_wc of the left rectified camera, at any times; empty: none
+  Trajectory ground_truth;  // T_wc of the left rectified camera, at any times; empty: none
   std::vector<std::string> notes;
 };
 

@@ -120,7 +120,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   recording.sensor = Sensor::rgbd;
   recording.camera = camera.camera;
   recording.left = camera.left;
-  recording.depth_factor = file.depth_factor;
+  recording.images = file_images(file.depth_factor);
   recording.notes.insert(recording.notes.end(), file.notes.begin(), file.notes.end());
   recording.colour = colour_of(options.cameras, nn::ImageColour::bgr);
   const PairingTexts texts{folder.string(), "colour and depth images within {:g} s of each other", "colour",

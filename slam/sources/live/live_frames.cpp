@@ -113,7 +113,7 @@ StereoImages LiveFrames::next() {
   if (stream_.sensor() == Sensor::stereo) {
     images.right = camera_.right.linear(std::move(images.right));
   } else {
-    images.depth = metres_of(camera_.left.nearest(std::move(depth)), depth_factor_);
+    images.depth = camera_.left.nearest(metres_of(depth, depth_factor_));
   }
   return images;
 }

@@ -86,11 +86,16 @@ TEST(Remap, NearestTakesThePixelsOfOpenCvAndNothingBeyondTheBorder) {
   cv::convertMaps(test::to_mat(table.x), test::to_mat(table.y), places, unused, CV_16SC2, true);
   cv::remap(test::to_mat(image), oracle, places, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
             cv::Scalar(0));
-  const WordImage out = Remap(table.x, table.y, source).nearest(image);
+  const Remap remap(table.x, table.y, source);
+  const WordImage out = remap.nearest(image);
+  FloatImage floats(source.width, source.height);
+  std::copy_n(image.data(), image.elements(), floats.data());
+  const FloatImage float_out = remap.nearest(floats);
   int outside = 0;
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
       ASSERT_EQ(out.at(x, y), oracle.at<std::uint16_t>(y, x)) << x << " " << y;
+      ASSERT_EQ(float_out.at(x, y), static_cast<float>(out.at(x, y)));
       outside += out.at(x, y) == 0;
     }
   }
