@@ -8,7 +8,7 @@ namespace penumbra::apps {
 void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const std::string& help) {
   command.add_option("dataset", arguments.folder, help)->required();
   command.add_option("--format", arguments.format, "layout of the dataset")
-      ->check(CLI::IsMember({"auto", "kitti", "euroc", "published", "tum", "folder"}))
+      ->check(CLI::IsMember({"auto", "kitti", "euroc", "published", "tum", "folder", "bag"}))
       ->capture_default_str();
   command.add_option("--frames", arguments.frames, "A:B, frames A to B-1 only");
   command.add_option("--step", arguments.step, "take every n-th frame, as a slower camera would")
@@ -30,11 +30,30 @@ void add_recording_arguments(CLI::App& command, DatasetArguments& arguments) {
   command
       .add_option("--pair-within", arguments.pair_within,
                   "seconds that the two images of a frame may be apart, by their times (default: TUM 0.02, "
-                  "EuRoC 0.001)")
+                  "EuRoC 0.001; bags: two cameras 0.001, depth 0.02)")
       ->check(number_above_zero())
       ->type_name("SECONDS");
   command.add_option("--sequence", arguments.sequence,
                      "which one, where the folder holds several, such as 00");
+  slam::TopicNames& topics = arguments.topics;
+  command
+      .add_option("--left-topic", topics.left, "bags: the left camera's images, or those beside the depth")
+      ->type_name("TOPIC");
+  CLI::Option* right = command.add_option("--right-topic", topics.right, "bags: the right camera's images")
+                           ->type_name("TOPIC");
+  command.add_option("--depth-topic", topics.depth, "bags: depth that is registered to the images")
+      ->excludes(right)
+      ->type_name("TOPIC");
+  command.add_option("--left-info-topic", topics.left_info, "bags: the left camera's sensor_msgs/CameraInfo")
+      ->type_name("TOPIC");
+  command.add_option("--right-info-topic", topics.right_info, "bags: the right camera's, or the depth's")
+      ->type_name("TOPIC");
+  command
+      .add_option(
+          "--camera", arguments.camera,
+          "a calibration.yaml (docs/datasets.md): of a stream, or of a bag in place of what it says of its cameras")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
 }
 
 slam::DatasetOptions dataset_options(const DatasetArguments& arguments) {
@@ -48,6 +67,8 @@ slam::DatasetOptions dataset_options(const DatasetArguments& arguments) {
   if (arguments.images == "colour") options.cameras = slam::DatasetCameras::colour;
   options.frame_rate = arguments.frame_rate;
   options.pair_within = arguments.pair_within;
+  options.topics = arguments.topics;
+  options.camera = arguments.camera;
   return options;
 }
 

@@ -1,4 +1,4 @@
-// penumbra info: what a checkpoint holds, or what the processor can do.
+// penumbra info: what a checkpoint or a recording holds, or what this machine can do.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include "apps/common/commands.h"
 #include "apps/common/compute_options.h"
 #include "apps/network/load_network.h"
+#include "apps/network/recording_info.h"
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
 #include "nn/base/text.h"
@@ -18,6 +19,8 @@
 #include "nn/simd/amx_permission.h"
 #include "nn/simd/kernel_table.h"
 #include "nn/simd/low_precision.h"
+#include "slam/sources/bag/chunk_packing.h"
+#include "slam/sources/bag/message_source.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra::apps {
@@ -99,6 +102,8 @@ void show_cpu(bool json) {
   const std::string choice = to_string(automatic.resolved({}).precision);
   const nn::TileKernels& tile = *nn::kernels().tile;
   const std::string chosen = nn::to_string(nn::current_isa());
+  nlohmann::ordered_json libraries = nlohmann::ordered_json::object();
+  for (const slam::BagLibrary& library : slam::bag_libraries()) libraries[library.name] = library.is_there;
   if (json) {
     const nlohmann::ordered_json info = {{"isa", chosen},
                                          {"tile_pixels", tile.pixels},
@@ -108,14 +113,15 @@ void show_cpu(bool json) {
                                          {"supported_precisions", precisions},
                                          {"amx", amx},
                                          {"bf16", bf16},
+                                         {"recordings", libraries},
                                          {"precision_auto", choice}};
     fmt::print("{}\n", info.dump(2));
     return;
   }
   fmt::print("instruction set {}, register tile of {} pixels x {} channels, {} threads\n", chosen,
              tile.pixels, tile.channels, thread_count());
-  for (const auto& [title, table] :
-       {std::pair("instruction sets", isas), std::pair("precisions", precisions)}) {
+  for (const auto& [title, table] : {std::pair("instruction sets", isas), std::pair("precisions", precisions),
+                                     std::pair("unpacks recordings of", libraries)}) {
     fmt::print("{}:", title);
     for (const auto& [name, supported] : table.items()) fmt::print(" {} {}", name, supported ? "yes" : "no");
     fmt::print("\n");
@@ -131,6 +137,10 @@ void show_info(const InfoOptions& options) {
     show_cpu(options.json);
     return;
   }
+  if (slam::looks_like_bag(options.file)) {
+    show_recording(options.file, options.json);
+    return;
+  }
   const weights_tools::CheckpointFormat format = weights_tools::checkpoint_format(options.file);
   const nn::StateDict state = load_noted_weights(options.file, options.key);
   if (options.json) {
@@ -144,17 +154,20 @@ void show_info(const InfoOptions& options) {
 
 void add_info_command(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* command =
-      app.add_subcommand("info", "List the tensors of a checkpoint, or what the processor can do");
-  command->add_option("file", options->file, "checkpoint: .safetensors, .pt or .pth");
+  CLI::App* command = app.add_subcommand(
+      "info", "List the tensors of a checkpoint, the topics of a recording, or what this machine can do");
+  command->add_option("file", options->file,
+                      "checkpoint: .safetensors, .pt or .pth; or a recording: .bag, .mcap, .db3");
   add_key_option(command, options->key);
   command->add_flag("--cpu", options->cpu,
-                    "instead: the instruction set in use and what else this machine can do");
+                    "instead: the instruction set in use, what else this machine can do, and which "
+                    "recordings this build unpacks");
   command->add_flag("--json", options->json, "print JSON");
   command->footer(
       "Examples:\n"
       "  penumbra info maskrcnn.pth\n"
       "  penumbra info maskrcnn.safetensors --json\n"
+      "  penumbra info run.bag\n"
       "  penumbra info --cpu\n");
   add_isa_option(command);
   command->callback([options] { show_info(*options); });

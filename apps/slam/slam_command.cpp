@@ -28,6 +28,8 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics static-points --out out/standing
   ffmpeg -i stereo.mp4 -f yuv4mpegpipe - | penumbra slam - --camera rig.yaml --every-frame --out out/film   images side by side
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
+  penumbra slam run.bag --out out/run                         ROS 1 bag, MCAP, rosbag2 (docs/recordings.md)
+  penumbra slam run.mcap --left-topic /cam0/image_raw --right-topic /cam1/image_raw --camera rig.yaml --out out/run
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
   penumbra slam wednesday --load-map yard.map --localise --out out/wednesday           only find the way in it
@@ -53,14 +55,9 @@ void add_slam_command(CLI::App& app) {
       app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
   command->footer(kSlamExamples);
   add_dataset_arguments(*command, options->dataset,
-                        "folder of the sequence, or - for a stream on standard input");
+                        "folder of the sequence, a recording: .bag, .mcap, .db3, or - for a stream on standard input");
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   add_recording_arguments(*command, options->dataset);
-  command
-      ->add_option("--camera", options->dataset.camera,
-                   "of a stream: the cameras' calibration (docs/datasets.md)")
-      ->check(CLI::ExistingFile)
-      ->type_name("FILE");
   command->add_option("--layout", options->layout, "of a stream: how the left and the right image lie in one")
       ->check(CLI::IsMember({"side-by-side", "top-bottom"}))
       ->capture_default_str();

@@ -13,14 +13,19 @@ double coefficient(const LensCamera& camera, std::size_t i) {
 }
 
 struct RadialTangential {
-  double k1, k2, p1, p2, k3;
+  double k1, k2, p1, p2, k3, k4, k5, k6;
   explicit RadialTangential(const LensCamera& c)
       : k1(coefficient(c, 0)),
         k2(coefficient(c, 1)),
         p1(coefficient(c, 2)),
         p2(coefficient(c, 3)),
-        k3(coefficient(c, 4)) {}
-  double radial(double r2) const { return 1.0 + ((k3 * r2 + k2) * r2 + k1) * r2; }
+        k3(coefficient(c, 4)),
+        k4(coefficient(c, 5)),
+        k5(coefficient(c, 6)),
+        k6(coefficient(c, 7)) {}
+  double radial(double r2) const {
+    return (1.0 + ((k3 * r2 + k2) * r2 + k1) * r2) / (1.0 + ((k6 * r2 + k5) * r2 + k4) * r2);
+  }
   Eigen::Vector2d tangential(const Eigen::Vector2d& d) const {
     const double r2 = d.squaredNorm(), xy2 = 2.0 * d.x() * d.y();
     return {p1 * xy2 + p2 * (r2 + 2.0 * d.x() * d.x()), p1 * (r2 + 2.0 * d.y() * d.y()) + p2 * xy2};

@@ -3,13 +3,15 @@
 // Distortion models, from the direction (x, y, 1) of a point to the place (x', y') in the normalised image,
 // r^2 = x^2 + y^2; pixel = (fx x' + cx, fy y' + cy):
 //
-//   radial-tangential  x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
-//   (k1 k2 p1 p2 [k3]) y' = y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y
+//   radial-tangential  x' = x q + 2 p1 x y + p2 (r^2 + 2 x^2),  q = 1 + k1 r^2 + k2 r^4 + k3 r^6
+//   (k1 k2 p1 p2 [k3]) y' = y q + p1 (r^2 + 2 y^2) + 2 p2 x y
+//   (.. k3 k4 k5 k6)   the same with q / (1 + k4 r^2 + k5 r^4 + k6 r^6) in place of q: the rational model
 //   equidistant        (x', y') = (x, y) theta_d / r,  theta = atan r,
 //   (k1 k2 k3 k4)      theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
 //
-// Source: Brown, Close-range camera calibration (1971); Kannala and Brandt, A generic camera model and
-// calibration method (PAMI 2006), the model that Kalibr calls equidistant and OpenCV fisheye.
+// Source: Brown, Close-range camera calibration (1971); OpenCV's calib3d (the rational model); Kannala and
+// Brandt, A generic camera model and calibration method (PAMI 2006), the model that Kalibr calls equidistant
+// and OpenCV fisheye.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +25,7 @@ enum class LensModel { radial_tangential, equidistant };
 struct LensCamera {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  // pixels
   LensModel model = LensModel::radial_tangential;
-  std::vector<double> distortion;  // 4 or 5 coefficients in the order above; none: no distortion
+  std::vector<double> distortion;  // 4, 5 or 8 coefficients in the order above; none: no distortion
   int width = 0, height = 0;       // pixels
 };
 

@@ -6,6 +6,8 @@
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
+#include "slam/sources/bag/message_source.h"
+#include "slam/sources/bag_recording.h"
 #include "slam/sources/euroc.h"
 #include "slam/sources/folder_listing.h"
 #include "slam/sources/image_folder.h"
@@ -27,6 +29,7 @@ struct Layout {
 // In the order in which they are tried: TUM's folders may have a calibration.yaml, too, and ICL-NUIM's look
 // like TUM's.
 constexpr Layout kLayouts[] = {
+    {DatasetFormat::bag, "bag", looks_like_bag, open_bag_recording},
     {DatasetFormat::kitti, "kitti", looks_like_kitti, open_kitti},
     {DatasetFormat::euroc, "euroc", looks_like_euroc, open_euroc},
     {DatasetFormat::published, "published", looks_like_published, open_published},
@@ -45,7 +48,7 @@ constexpr struct {
     {"stereo.timestamps", "RobotCar's layout, whose raw images need its own tables"},
     {"aligned_depth.txt", "OpenLORIS' layout"},
     {"rgb_left", "a layout with rgb_left/"},
-    {"metadata.yaml", "a ROS 2 bag"},
+    {"metadata.yaml", "the folder of a ROS 2 bag without its .mcap or .db3 file"},
 };
 
 // What a folder of no layout holds, for "found ...".
@@ -74,12 +77,18 @@ DatasetFormat parse_dataset_format(std::string_view name) {
   for (const Layout& layout : kLayouts) {
     if (name == layout.name) return layout.format;
   }
-  throw UsageError(fmt::format("format '{}': expected auto, kitti, euroc, published, tum or folder", name));
+  throw UsageError(
+      fmt::format("format '{}': expected auto, kitti, euroc, published, tum, folder or bag", name));
 }
 
 std::unique_ptr<StereoDataset> open_dataset(const std::filesystem::path& path,
                                             const DatasetOptions& options) {
-  require_dataset_folder(path);
+  const bool is_bag = options.format == DatasetFormat::bag || looks_like_bag(path);
+  if (!is_bag) require_dataset_folder(path);
+  if (!is_bag && !(options.topics.empty() && options.camera.empty())) {
+    throw UsageError(
+        fmt::format("{}: topics and --camera are of use for ROS bags and MCAP files alone", path.string()));
+  }
   if (options.step < 1) throw UsageError(fmt::format("step {}: expected at least 1", options.step));
   for (const Layout& layout : kLayouts) {
     const bool chosen = options.format == layout.format ||

@@ -7,6 +7,7 @@
 //   published        KITTI raw and 360, Virtual KITTI, TartanAir, 4Seasons, ICL-NUIM as they are downloaded
 //                    (slam/sources/published.h)
 //   TUM RGB-D        rgb.txt, depth.txt, rgb/, depth/ (slam/sources/tum.h)
+//   bag              ROS 1 bags, MCAP, rosbag2: one file, or rosbag2's folder (slam/sources/bag_recording.h)
 //   folder           calibration.yaml, left/ and right/, or rgb/ and depth/, or side_by_side/
 //                    (slam/sources/image_folder.h)
 #pragma once
@@ -22,12 +23,22 @@
 
 namespace penumbra::slam {
 
-enum class DatasetFormat { automatic, kitti, euroc, published, tum, folder };
-// "auto", "kitti", "euroc", "published", "tum" or "folder"; throws UsageError for another name.
+enum class DatasetFormat { automatic, kitti, euroc, published, tum, folder, bag };
+// "auto", "kitti", "euroc", "published", "tum", "folder" or "bag"; throws UsageError for another name.
 DatasetFormat parse_dataset_format(std::string_view name);
 
 // Automatic: colour from RGB-D cameras, grey images where a stereo camera has them.
 enum class DatasetCameras { automatic, grey, colour };
+
+// Topics of a recording in one file; empty: found.
+struct TopicNames {
+  std::string left, right, depth;     // images
+  std::string left_info, right_info;  // their sensor_msgs/CameraInfo
+
+  bool empty() const {
+    return left.empty() && right.empty() && depth.empty() && left_info.empty() && right_info.empty();
+  }
+};
 
 struct DatasetOptions {
   DatasetFormat format = DatasetFormat::automatic;
@@ -40,6 +51,9 @@ struct DatasetOptions {
   // Seconds that the two images of a frame may be apart where both have times; none: as the layout's cameras
   // are (TUM 20 ms, EuRoC 1 ms).
   std::optional<double> pair_within;
+  TopicNames topics;
+  std::filesystem::path
+      camera;  // calibration.yaml of a recording in one file; empty: what the recording says
 };
 
 // Throws InputError where the folder is missing, of no known layout (the message lists what was looked for)

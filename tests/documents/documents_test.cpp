@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "nn/io/safetensors.h"
+#include "tests/support/bag_files.h"
 #include "tests/support/random_models.h"
 #include "tests/support/test_data.h"
 
@@ -91,26 +92,12 @@ std::vector<Example> all_examples() {
   const auto add = [&](const std::vector<Example>& more) { all.insert(all.end(), more.begin(), more.end()); };
   for (const fs::path& document : documents)
     add(examples_in(document, fs::relative(document, source_path("")).string()));
-  for (const char* command : {"slam",
-                              "segment",
-                              "classify",
-                              "synth",
-                              "report",
-                              "ablate",
-                              "eval",
-                              "match-eval",
-                              "eval-loops",
-                              "eval-coco",
-                              "convert",
-                              "info",
-                              "calibrate",
-                              "bench slam",
-                              "bench network",
-                              "bench conv",
-                              "brain",
-                              "brain landmarks",
-                              "brain train-grid",
-                              "bench brain"}) {
+  for (const char* command :
+       {"slam",          "segment",    "classify", "synth",           "report",
+        "export",        "ablate",     "eval",     "match-eval",      "eval-loops",
+        "eval-coco",     "convert",    "info",     "calibrate",       "bench slam",
+        "bench network", "bench conv", "brain",    "brain landmarks", "brain train-grid",
+        "bench brain"}) {
     add(examples_of_help(command));
   }
   return all;
@@ -131,6 +118,33 @@ int run_shell(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+// Recordings of robots with the frames of the folder monday: run.bag with its cameras, run.mcap without, and
+// rig.yaml.
+void write_recordings(const fs::path& sandbox) {
+  constexpr std::int64_t kStep = 100'000'000;  // nanoseconds
+  constexpr double kFocal = 179.8, kBaseline = 0.537;
+  std::vector<BagMessage> with_cameras, without;
+  for (int i = 0; i < 8; ++i) {
+    const std::int64_t time = 1'000'000'000 + i * kStep;
+    for (const bool is_right : {false, true}) {
+      const std::string side = is_right ? "right" : "left";
+      const std::string png = text_of(sandbox / "monday" / side / fmt::format("{:06}.png", i));
+      CameraParts camera = pinhole(310, 94, kFocal, is_right ? -kFocal * kBaseline : 0.0);
+      camera.P[2] = camera.K[2] = 151.34;
+      camera.P[6] = camera.K[5] = 46.28;
+      with_cameras.push_back({"/" + side + "/image_raw/compressed", "sensor_msgs/CompressedImage", time,
+                              compressed_message(Wire::ros1, time, "mono8; png compressed", png)});
+      with_cameras.push_back(
+          {"/" + side + "/camera_info", "sensor_msgs/CameraInfo", time, camera_message(Wire::ros1, camera)});
+      without.push_back({is_right ? "/cam1/image_raw" : "/cam0/image_raw", "sensor_msgs/CompressedImage",
+                         time, compressed_message(Wire::cdr, time, "mono8; png compressed", png)});
+    }
+  }
+  write_file(sandbox / "run.bag", ros1_bag(with_cameras));
+  write_file(sandbox / "run.mcap", mcap_file(without, "cdr"));
+  fs::copy(sandbox / "monday" / "calibration.yaml", sandbox / "rig.yaml");
+}
+
 TEST(Documents, EveryCommandThatTheyShowRuns) {
   const std::vector<Example> examples = all_examples();
   ASSERT_GT(examples.size(), 80U);
@@ -146,6 +160,7 @@ TEST(Documents, EveryCommandThatTheyShowRuns) {
                                   source_path("").string(), output.string())),
             0)
       << text_of(output);
+  write_recordings(sandbox);
   int run = 0;
   std::string document;
   for (const Example& example : examples) {

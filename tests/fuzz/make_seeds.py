@@ -5,10 +5,12 @@ usage: make_seeds.py [OUT]        (default: tests/fuzz/corpus of this project)
 
 Findings of the fuzzer lie beside them under other names and are left alone. Needs Debian's python3-opencv for JPEGs.
 """
+import bz2
 import io
 import json
 import pathlib
 import pickle
+import sqlite3
 import struct
 import sys
 import zipfile
@@ -423,6 +425,162 @@ def euroc_ground_truths():
     yield "bad_nan", b"1,nan,0,0,1,0,0,0\n"
 
 
+# The messages of ROS 1 and ROS 2 that recordings hold.
+class MessageBytes:
+    def __init__(self, cdr, big=False):
+        self.data, self.cdr, self.order = b"", cdr, ">" if big else "<"
+
+    def put(self, code, *values):
+        for value in values:
+            size = struct.calcsize(code)
+            if self.cdr:
+                self.data += bytes(-len(self.data) % size)
+            self.data += struct.pack(self.order + code, value)
+        return self
+
+    def blob(self, data):
+        self.put("I", len(data))
+        self.data += data
+        return self
+
+    def text(self, text):
+        return self.blob(text.encode() + (b"\0" if self.cdr else b""))
+
+    def header(self, seconds):
+        if not self.cdr:
+            self.put("I", 1)
+        return self.put("I", seconds, 5).text("camera")
+
+    def bytes(self):
+        return (b"\0\0\0\0" if self.order == ">" else b"\0\1\0\0") + self.data if self.cdr else self.data
+
+
+def image_message(cdr, seconds=10, encoding="mono8", width=8, height=6, step=None, data=None, big=False):
+    size = {"mono8": 1, "16UC1": 2, "32FC1": 4, "rgb8": 3, "bayer_rggb8": 1, "yuv422": 2}.get(encoding, 1)
+    step = step or width * size
+    message = MessageBytes(cdr, big).header(seconds).put("I", height, width).text(encoding).put("B", 0).put("I", step)
+    return message.blob(bytes(range(256))[:step * height] if data is None else data).bytes()
+
+
+def camera_message(cdr, focal=70.0, model="plumb_bob", D=(), Tx=0.0, zeros=False, width=8, height=6):
+    message = MessageBytes(cdr).header(10).put("I", height, width).text(model).put("I", len(D)).put("d", *D)
+    message.put("d", focal, 0.0, 4.0, 0.0, focal, 3.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    P = [focal, 0.0, 4.0, Tx, 0.0, focal, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+    return message.put("d", *([0.0] * 12 if zeros else P)).put("I", 0, 0, 0, 0, 0, 0).put("B", 0).bytes()
+
+
+def packed_message(cdr, form, data):
+    return MessageBytes(cdr).header(10).text(form).blob(data).bytes()
+
+
+def level_png(width, height, bits, level):
+    return png(width, height, bits, 0, (b"\0" + struct.pack(">H", level)[2 - bits // 8:] * width) * height)
+
+
+def messages():
+    depth = level_png(8, 6, 16, 1000)
+    for cdr in (False, True):
+        name = "cdr" if cdr else "ros1"
+        for encoding in ("mono8", "16UC1", "32FC1", "rgb8", "bayer_rggb8", "yuv422"):
+            yield f"valid_{encoding.lower()}_{name}", image_message(cdr, encoding=encoding, width=4, height=4)
+        yield f"valid_camera_{name}", camera_message(cdr, D=(0.1, -0.2, 0.0, 0.0, 0.0), Tx=-7.0)
+        yield f"valid_png_{name}", packed_message(cdr, "mono8; png compressed", level_png(4, 3, 8, 77))
+    yield "valid_depth", packed_message(True, "32FC1; compressedDepth png", struct.pack("<I2f", 0, 10100.0, -1000.0) + depth)
+    yield "valid_big_endian", image_message(True, big=True)
+    yield "valid_rational", camera_message(False, model="rational_polynomial", D=(0.1,) * 8)
+    yield "valid_fisheye", camera_message(False, model="equidistant", D=(0.1,) * 4)
+    yield "valid_zeros", camera_message(False, focal=0.0, zeros=True)
+    yield "valid_huge", image_message(False, width=1 << 31, height=1 << 31, step=8, data=b"")
+    yield "bad_empty", b""
+    yield "bad_torn", image_message(True)[:30]
+    yield "bad_parameters", b"\0\3" + camera_message(True)[2:]
+
+
+def street_messages(cdr):
+    return [(f"/{side}/{name}", f"sensor_msgs/{kind}", 10 + second, data)
+            for second in (0, 1) for side in ("left", "right")
+            for name, kind, data in (("image_rect", "Image", image_message(cdr, 10 + second)),
+                                     ("camera_info", "CameraInfo", camera_message(cdr, Tx=-7.0 if side == "right" else 0.0)))]
+
+
+def ros1_record(data=b"", **fields):
+    def sized(b):
+        return struct.pack("<I", len(b)) + b
+    return sized(b"".join(sized(name.encode() + b"=" + value) for name, value in fields.items())) + sized(data)
+
+
+def ros1_bag(packing="none", pack=lambda b: b, version=b"2.0", index=5, size=None):
+    records, known = b"", []
+    for topic, kind, second, data in street_messages(False):
+        if topic not in known:
+            known.append(topic)
+            words = [b"topic=" + topic.encode(), b"type=" + kind.encode()]
+            records += ros1_record(b"".join(struct.pack("<I", len(w)) + w for w in words), op=b"\7",
+                                   conn=struct.pack("<I", len(known) - 1), topic=topic.encode())
+        records += ros1_record(data, op=b"\2", conn=struct.pack("<I", known.index(topic)), time=struct.pack("<2I", second, 0))
+    chunk = ros1_record(pack(records), op=b"\5", compression=packing.encode(),
+                        size=struct.pack("<I", len(records) if size is None else size))
+    return b"#ROSBAG V" + version + b"\n" + ros1_record(b" " * 20, op=b"\3", index_pos=struct.pack("<Q", index)) + chunk
+
+
+def mcap_record(op, content):
+    return bytes([op]) + struct.pack("<Q", len(content)) + content
+
+
+def mcap_file(packing="", pack=lambda b: b, magic=b"\x89MCAP0\r\n", is_chunked=True, crc=None):
+    def text(t):
+        return struct.pack("<I", len(t)) + t.encode()
+    records, known = b"", []
+    for topic, kind, second, data in street_messages(True):
+        if topic not in known:
+            known.append(topic)
+            number = struct.pack("<H", len(known))
+            records += mcap_record(3, number + text(kind.replace("/", "/msg/")) + text("ros2msg") + text(""))
+            records += mcap_record(4, number + number + text(topic) + text("cdr") + text(""))
+        time = struct.pack("<Q", second * 10**9)
+        records += mcap_record(5, struct.pack("<HI", known.index(topic) + 1, 0) + time + time + data)
+    packed = pack(records)
+    chunk = mcap_record(6, struct.pack("<3QI", 0, 0, len(records), zlib.crc32(records) if crc is None else crc) +
+                        text(packing) + struct.pack("<Q", len(packed)) + packed)
+    return magic + mcap_record(1, text("ros2") + text("")) + (chunk if is_chunked else records) + \
+        mcap_record(15, bytes(4)) + mcap_record(2, bytes(20)) + magic
+
+
+def sqlite_file(tables=("topics", "messages")):
+    connection = sqlite3.connect(":memory:")
+    connection.execute("PRAGMA page_size = 512")
+    connection.execute(f"CREATE TABLE {tables[0]}(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
+    connection.execute(f"CREATE TABLE {tables[1]}(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+    names = []
+    for topic, kind, second, data in street_messages(True):
+        if topic not in names:
+            names.append(topic)
+            connection.execute(f"INSERT INTO {tables[0]} VALUES(?, ?, ?, 'cdr')", (len(names), topic, kind))
+        connection.execute(f"INSERT INTO {tables[1]}(topic_id, timestamp, data) VALUES(?, ?, ?)",
+                           (names.index(topic) + 1, second * 10**9, data))
+    connection.commit()
+    return connection.serialize()
+
+
+def recordings():
+    yield "valid_ros1", ros1_bag()
+    yield "valid_ros1_bz2", ros1_bag("bz2", bz2.compress)
+    yield "valid_ros1_unfinished", ros1_bag(index=0)
+    yield "valid_ros1_torn", ros1_bag()[:-100]
+    yield "valid_ros1_damaged_chunk", ros1_bag("bz2", lambda b: b[::-1])
+    yield "valid_ros1_too_large", ros1_bag("bz2", bz2.compress, size=1 << 31)
+    yield "bad_ros1_version", ros1_bag(version=b"1.2")
+    yield "bad_ros1_packing", ros1_bag("rar")
+    yield "valid_mcap", mcap_file()
+    yield "valid_mcap_unchunked", mcap_file(is_chunked=False)
+    yield "valid_mcap_wrong_crc", mcap_file(crc=5)
+    yield "bad_mcap_version", mcap_file(magic=b"\x89MCAP7\r\n")
+    yield "bad_mcap_packing", mcap_file("rar")
+    yield "valid_sqlite", sqlite_file()
+    yield "bad_sqlite_tables", sqlite_file(("other", "tables"))
+    yield "bad_empty", b""
+
+
 def write_all(out):
     seeds = {"pickle": pickles, "torch_zip": zips, "torch_legacy": legacy, "safetensors": safetensors_files,
              "coco_rle": codes, "image_container": images, "image_file": images_for_the_decoder, "number_file": number_files,
@@ -430,7 +588,8 @@ def write_all(out):
              "frame_range": frame_ranges, "coco_annotations": coco_annotation_files,
              "coco_results": coco_result_files, "map_file": map_files, "cognitive_map": cognitive_map_files,
              "odometry_file": odometry_files,
-             "camera_file": camera_files, "image_list": image_lists, "euroc_ground_truth": euroc_ground_truths}
+             "camera_file": camera_files, "image_list": image_lists, "euroc_ground_truth": euroc_ground_truths,
+             "recording": recordings, "message": messages}
     for target, make in seeds.items():
         folder = out / target
         folder.mkdir(parents=True, exist_ok=True)

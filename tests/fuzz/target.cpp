@@ -30,6 +30,8 @@ constexpr std::array kTargets = {
     Target{"camera_file", read_camera_file},
     Target{"image_list", read_image_list},
     Target{"euroc_ground_truth", read_euroc_ground_truth},
+    Target{"recording", read_recording},
+    Target{"message", read_message},
 };
 
 constexpr std::size_t kLongestMessage = 4096;  // bytes: 64 extents and 64 strides of 64 bits fit

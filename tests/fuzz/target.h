@@ -70,5 +70,7 @@ bool read_odometry_file(std::string_view bytes);
 bool read_camera_file(std::string_view bytes);
 bool read_image_list(std::string_view bytes);
 bool read_euroc_ground_truth(std::string_view bytes);
+bool read_recording(std::string_view bytes);
+bool read_message(std::string_view bytes);
 
 }  // namespace penumbra::fuzz

@@ -37,11 +37,14 @@ void set_lens_model(LensCamera& camera, std::string_view name, const std::vector
     camera.model = LensModel::radial_tangential;
     fewest = 4;
     most = 5;
+  } else if (is_one_of({"rationalpolynomial", "rational"})) {
+    camera.model = LensModel::radial_tangential;
+    fewest = most = 8;
   } else if (is_one_of({"equidistant", "equi", "fisheye", "kannalabrandt", "kannalabrandt4"})) {
     camera.model = LensModel::equidistant;
     fewest = most = 4;
   } else if (model != "none") {
-    throw InputError(place, "a distortion model: radial-tangential, equidistant or none",
+    throw InputError(place, "a distortion model: radial-tangential, rational, equidistant or none",
                      fmt::format("'{}'", printable(name, 40)));
   }
   if (distortion.size() < fewest || distortion.size() > most) {

@@ -20,9 +20,10 @@ namespace penumbra::slam {
 // Throws InputError (file:line) for keys that are missing, two ways at once, or numbers that no camera has.
 LensCamera read_lens(const YamlFile& yaml, const std::string& prefix);
 
-// "radial-tangential" ("radtan", "brown_conrady", ROS's "plumb_bob"), "equidistant" ("equi", "fisheye",
-// "kannala_brandt") or "none", in any letters (plain_word). Throws InputError naming `place` for another
-// name, or where `distortion` has another number of coefficients than the model.
+// "radial-tangential" ("radtan", "brown_conrady", ROS's "plumb_bob"), "rational" (ROS's
+// "rational_polynomial"), "equidistant" ("equi", "fisheye", "kannala_brandt") or "none", in any letters
+// (plain_word). Throws InputError naming `place` for another name, or where `distortion` has another number
+// of coefficients than the model.
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place);
 

@@ -17,7 +17,7 @@ void require_lens(const slam::LensCamera& lens) {
           "focal lengths are positive");
   require(std::isfinite(lens.cx) && std::isfinite(lens.cy), "the principal point is finite");
   require(lens.width >= 0 && lens.height >= 0, "sizes are not negative");
-  require(lens.distortion.size() <= 5, "lenses have few coefficients");
+  require(lens.distortion.size() <= 8, "lenses have few coefficients");
 }
 
 void require_motion(const slam::SE3& T) {

@@ -1,0 +1,133 @@
+// Recordings of robots on the command line: a street that the real writers recorded gives the trajectory of
+// the folder, what `penumbra info` lists, and what `penumbra export` writes.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "nn/image/image_file.h"
+#include "slam/sources/bag/chunk_packing.h"
+#include "tests/support/bag_files.h"
+#include "tests/support/test_data.h"
+
+namespace penumbra::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 12;
+
+// A synthetic street in KITTI's layout, with PGM images beside for writers in Python, and the run of its
+// folder.
+class Street {
+ public:
+  Street() {
+    const ProgramResult made = run_penumbra(
+        fmt::format("synth --size 310x94 --frames {} --out {}", kFrames, (folder_ / "street").string()));
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    for (const char* side : {"image_0", "image_1"}) {
+      const fs::path to = folder_ / "pgm" / side;
+      fs::create_directories(to);
+      for (const fs::directory_entry& entry : fs::directory_iterator(sequence() / side)) {
+        const ByteImage image = nn::read_image(entry.path(), nn::ImageColour::grey);
+        nn::write_image(to / (entry.path().stem().string() + ".pgm"), image);
+      }
+    }
+    // A header with the time 0 is one without.
+    std::string times;
+    for (int i = 0; i < kFrames; ++i) times += fmt::format("{:.1f}\n", 1.0 + 0.1 * i);
+    write_file(sequence() / "times.txt", times);
+    for (const char* name : {"calib.txt", "times.txt"}) fs::copy(sequence() / name, folder_ / "pgm" / name);
+    trajectory_ = run(sequence(), "folder");
+  }
+
+  fs::path sequence() const { return folder_ / "street" / "sequences" / "00"; }
+  fs::path pgm() const { return folder_ / "pgm"; }
+  fs::path operator/(const std::string& name) const { return folder_ / name; }
+  const std::string& trajectory() const { return trajectory_; }
+
+  // The poses of a run of `source`; empty where it fails.
+  std::string run(const fs::path& source, const std::string& name) const {
+    const fs::path out = folder_ / ("run_" + name);
+    const ProgramResult result = run_penumbra(
+        fmt::format("slam {} --deterministic --threads 1 --out {}", source.string(), out.string()));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.exit_code == 0 ? read_file(out / "trajectory_kitti.txt") : std::string();
+  }
+
+ private:
+  TemporaryDirectory folder_;
+  std::string trajectory_;
+};
+
+const Street& street() {
+  static const Street made;
+  return made;
+}
+
+struct Case {
+  const char *writer, *kind, *file;
+};
+
+class RecordedStreet : public testing::TestWithParam<Case> {};
+
+TEST_P(RecordedStreet, GivesTheTrajectoryOfItsFolder) {
+  const auto& [writer, kind, file] = GetParam();
+  for (const slam::BagLibrary& library : slam::bag_libraries()) {
+    if (!library.is_there && std::string(kind) == library.name) GTEST_SKIP() << "built without " << kind;
+  }
+  const std::string name = fmt::format("{}_{}", writer, kind),
+                    script = source_path("tests/slam/sources/bag/record_street.py").string();
+  const fs::path out = street() / (name + file);
+  int code = 77;
+  // Debian's modules and PyPI's may belong to different Pythons.
+  for (const char* python : {"python3", "/usr/bin/python3"}) {
+    if (code != 77) break;
+    const int status = std::system(
+        fmt::format("{} {} {} {} {} {}", python, script, writer, kind, street().pgm().string(), out.string())
+            .c_str());
+    code = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  }
+  if (code == 77 || code == 127) GTEST_SKIP() << "the writer " << writer << " is not installed";
+  ASSERT_EQ(code, 0);
+  const std::string trajectory = street().run(out, name);
+  EXPECT_FALSE(trajectory.empty());
+  EXPECT_EQ(trajectory, street().trajectory());
+  const nlohmann::json info = nlohmann::json::parse(run_penumbra("info --json " + out.string()).out);
+  EXPECT_EQ(info["messages"], 4 * kFrames);
+  EXPECT_NE(info["taken"].get<std::string>().find("/right/image_raw"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Writers, RecordedStreet,
+                         testing::Values(Case{"rosbag", "none", ".bag"}, Case{"rosbag", "lz4", ".bag"},
+                                         Case{"rosbag", "bz2", ".bag"}, Case{"mcap", "none", ".mcap"},
+                                         Case{"mcap", "lz4", ".mcap"}, Case{"mcap", "zstd", ".mcap"},
+                                         Case{"mcap", "unchunked", ".mcap"}, Case{"rosbags", "sqlite3", ""},
+                                         Case{"rosbags", "mcap", ""}, Case{"rosbags", "ros1", ".bag"}),
+                         [](const auto& info) {
+                           return fmt::format("{}_{}", info.param.writer, info.param.kind);
+                         });
+
+TEST(BagCommands, InfoListsTopicsWithCountsAndRates) {
+  const TemporaryDirectory folder;
+  std::vector<BagMessage> messages;
+  for (int i = 0; i < 5; ++i)
+    messages.push_back({"/chatter", "std_msgs/String", i * std::int64_t{250'000'000}, "text"});
+  write_file(folder / "run.bag", ros1_bag(messages));
+  const ProgramResult table = run_penumbra("info " + (folder / "run.bag").string());
+  EXPECT_EQ(table.exit_code, 0);
+  EXPECT_NE(table.out.find("/chatter"), std::string::npos);
+  EXPECT_NE(table.out.find("4.00"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("ROS 1 bag, 1 topics, 5 messages"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("no two topics"), std::string::npos);
+  const ProgramResult refused =
+      run_penumbra(fmt::format("slam {} --out {}", (folder / "run.bag").string(), (folder / "out").string()));
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("no topic with images"), std::string::npos);
+  EXPECT_NE(run_penumbra("info --cpu").out.find("lz4"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace penumbra::test
