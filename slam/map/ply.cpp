@@ -61,6 +61,21 @@ void write_ply(const std::filesystem::path& path, const PointCloud& cloud) {
   nn::write_file(path, text);
 }
 
+void write_pcd(const std::filesystem::path& path, const std::vector<PlyVertex>& vertices) {
+  std::string text = fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F "
+      "U\n"
+      "COUNT 1 1 1 1\nWIDTH {}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      vertices.size(), vertices.size());
+  text.reserve(text.size() + 16 * vertices.size());
+  for (const PlyVertex& v : vertices) {
+    const auto rgb = static_cast<std::uint32_t>(v.colour[0] << 16 | v.colour[1] << 8 | v.colour[2]);
+    text.append(reinterpret_cast<const char*>(v.position.data()), 3 * sizeof(float));
+    text.append(reinterpret_cast<const char*>(&rgb), sizeof(rgb));
+  }
+  nn::write_file(path, text);
+}
+
 std::vector<PlyVertex> read_ply(const std::filesystem::path& path) {
   const std::string bytes = nn::read_file(path, "a point cloud that Penumbra wrote");
   const std::string_view view = bytes;

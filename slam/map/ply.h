@@ -1,4 +1,4 @@
-// A map as a PLY point cloud, which MeshLab, CloudCompare and Blender open.
+// A map as a PLY point cloud, which MeshLab, CloudCompare and Blender open, and as PCD.
 #pragma once
 
 #include <array>
@@ -28,6 +28,10 @@ PointCloud point_cloud_of(const Map& map);
 // Binary little-endian PLY: per vertex x, y, z (float, metres, world) and red, green, blue (uchar). Written
 // under a temporary name and then renamed; throws Error where that fails.
 void write_ply(const std::filesystem::path& path, const PointCloud& cloud);
+
+// The same vertices as a PCD file for the Point Cloud Library: v0.7, binary; x y z (F4), rgb (U4:
+// 0x00RRGGBB). Throws Error where it cannot be written.
+void write_pcd(const std::filesystem::path& path, const std::vector<PlyVertex>& vertices);
 
 // The vertices of a file that write_ply wrote. Throws InputError for any other, or a torn one.
 std::vector<PlyVertex> read_ply(const std::filesystem::path& path);

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "nn/image/image_file.h"
+#include "slam/map/ply.h"
 #include "slam/sources/bag/chunk_packing.h"
+#include "slam/sources/bag/message_source.h"
 #include "tests/support/bag_files.h"
 #include "tests/support/test_data.h"
 
@@ -127,6 +129,29 @@ TEST(BagCommands, InfoListsTopicsWithCountsAndRates) {
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("no topic with images"), std::string::npos);
   EXPECT_NE(run_penumbra("info --cpu").out.find("lz4"), std::string::npos);
+}
+
+TEST(BagCommands, ExportWritesWhatTheRunFound) {
+  const fs::path run = street() / "run_folder", mcap = street() / "run.mcap", pcd = street() / "run.pcd";
+  const ProgramResult result =
+      run_penumbra(fmt::format("export {} --mcap {} --pcd {}", run.string(), mcap.string(), pcd.string()));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto source = slam::open_bag(mcap);
+  source->read_all([](const slam::Message&) {});
+  EXPECT_TRUE(source->notes().empty()) << source->notes().front();
+  std::map<std::string, std::uint64_t> counts;
+  for (const slam::Topic& topic : source->topics()) counts[topic.name + " " + topic.type] = topic.messages;
+  const std::map<std::string, std::uint64_t> expected = {{"/map sensor_msgs/PointCloud2", 1},
+                                                         {"/path nav_msgs/Path", 1},
+                                                         {"/pose geometry_msgs/PoseStamped", kFrames},
+                                                         {"/tf tf2_msgs/TFMessage", kFrames},
+                                                         {"/tf_static tf2_msgs/TFMessage", 1}};
+  EXPECT_EQ(counts, expected);
+  const std::size_t points = slam::read_ply(run / "map.ply").size();
+  const std::string cloud = read_file(pcd);
+  EXPECT_NE(cloud.find(fmt::format("POINTS {}\n", points)), std::string::npos);
+  EXPECT_EQ(cloud.size() - cloud.find("DATA binary\n") - 12, 16 * points);
+  EXPECT_EQ(run_penumbra("export " + run.string()).exit_code, 2);
 }
 
 }  // namespace
