@@ -122,11 +122,14 @@ std::unique_ptr<StereoDataset> open_bag_recording(const fs::path& path, const Da
   std::string reason;
   const std::optional<ChosenTopics> topics = choose_topics(index, options, place, reason);
   if (!topics) {
+    std::string found = described(index);
+    if (!reason.empty()) found += "; " + reason;
+    for (const std::string& note : source->notes()) found += "; " + note;
     throw InputError(
         place,
         "images of a left and a right camera (/left/..., /right/...), or depth that is registered to an "
         "image; --left-topic with --right-topic or --depth-topic choose",
-        described(index) + (reason.empty() ? "" : "; " + reason));
+        found);
   }
   const RecordedCamera camera = camera_of(*topics, options, place);
   const bool rgbd = topics->sensor == Sensor::rgbd;

@@ -91,7 +91,7 @@ std::optional<double> number_in_name(std::string_view name) {
 }
 
 void require_dataset_folder(const fs::path& path) {
-  constexpr const char* kExpected = "the folder of a dataset";
+  constexpr const char* kExpected = "the folder of a dataset, or a ROS bag or MCAP file";
   if (!is_present(path)) throw InputError(path.string(), kExpected, "nothing");
   if (!is_folder(path)) throw InputError(path.string(), kExpected, "a file");
   if (list_folder(path).empty()) throw InputError(path.string(), kExpected, "an empty folder");

@@ -1,11 +1,14 @@
 #include "slam/sources/bag/chunked_source.h"
 
+#include <utility>
+
 #include "nn/base/text.h"
 
 namespace penumbra::slam {
 
 std::string_view ChunkedSource::read(const MessagePlace& place) {
-  if (place.within == MessagePlace::kUnpacked) return file_.part(place.at, place.size);
+  file_.forget(std::exchange(handed_out_, {}));
+  if (place.within == MessagePlace::kUnpacked) return handed_out_ = file_.part(place.at, place.size);
   const std::string_view chunk = file_.chunk(place.at, [&] { return unpack_at(place.at); });
   if (place.within > chunk.size() || place.size > chunk.size() - place.within)
     throw InputError(file_.place(place.at), "the message in its chunk", "another chunk");

@@ -51,6 +51,7 @@ class ChunkedSource : public MessageSource {
  private:
   void note_damaged(const InputError& error);
 
+  std::string_view handed_out_;  // by read(), of the file itself
   std::size_t damaged_ = 0;
   std::string first_damage_;
 };

@@ -76,7 +76,9 @@ class Mcap final : public ChunkedSource {
     std::string_view rest = from(at);
     const std::optional<McapRecord> record = take_mcap_record(rest);
     if (!record) throw InputError(file_.place(at), "a chunk", "none any more");
-    return unpack(Chunk(record->content, file_.name()), at);
+    std::string bytes = unpack(Chunk(record->content, file_.name()), at);
+    file_.forget(record->content);
+    return bytes;
   }
 
   std::string unpack(const Chunk& chunk, std::uint64_t at) const {

@@ -62,7 +62,7 @@ MessageEncoding message_encoding(std::string_view name) {
 
 std::size_t MessageSource::topic_place(std::string_view name, std::string_view type,
                                        std::string_view encoding) {
-  constexpr std::size_t kMostTopics = 100'000;
+  constexpr std::size_t kMostTopics = 10'000;
   const std::string plain = plain_type(type);
   const auto is_it = [&](const Topic& t) {
     return t.name == name && t.type == plain && t.encoding == encoding;

@@ -47,6 +47,8 @@ std::string_view PackedFile::chunk(std::uint64_t at, const std::function<std::st
   return chunks_.back().bytes;
 }
 
+void PackedFile::forget(std::string_view part) const { file_->forget(std::as_bytes(std::span(part))); }
+
 void PackedFile::forget_before(std::uint64_t end) {
   if (end < forgotten_ + kForgottenAtOnce) return;
   file_->forget(file_->bytes().subspan(forgotten_, end - forgotten_));

@@ -25,8 +25,9 @@ class PackedFile {
   std::string_view part(std::uint64_t at, std::uint64_t size) const;
   // The chunk at byte `at`, from the last few or by `unpack`; until the next call.
   std::string_view chunk(std::uint64_t at, const std::function<std::string()>& unpack);
-  // What lies before byte `end` will not be read again soon.
+  // What lies before byte `end`, or in a part, will not be read again soon: the process need not hold it.
   void forget_before(std::uint64_t end);
+  void forget(std::string_view part) const;
 
  private:
   struct Chunk {

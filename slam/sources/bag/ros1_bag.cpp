@@ -117,7 +117,9 @@ class Ros1Bag final : public ChunkedSource {
     std::string_view rest = from(at);
     const std::optional<Record> record = take_record(rest);
     if (!record) throw InputError(file_.place(at), "a chunk", "none any more");
-    return unpack(*record, at);
+    std::string bytes = unpack(*record, at);
+    file_.forget(record->data);
+    return bytes;
   }
 
   std::string unpack(const Record& record, std::uint64_t at) const {

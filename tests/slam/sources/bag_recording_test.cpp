@@ -232,6 +232,9 @@ TEST_F(BagRecording, WithoutTwoTopicsThatBelongTogetherTheyAreListed) {
   expect_refused(
       messages, {"run.bag", "--left-topic", "/back/image (mono8, 5 images), /front/image (mono8, 5 images)"});
   expect_refused({{"/chatter", "std_msgs/String", 1, "xxxx"}}, {"no topic with images"});
+  test::write_file(folder_ / "run.bag", test::ros1_bag(five_pairs(), 3).substr(0, 5000));
+  expect_error<InputError>([&] { open_dataset(folder_ / "run.bag"); },
+                           {"no topic with images", "cut off or damaged at byte"});
 }
 
 TEST_F(BagRecording, ADatasetFolderKnowsNoTopics) {

@@ -3,8 +3,10 @@
 #include "slam/sources/bag/message_source.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
-#include <map>
+#include <algorithm>
+#include <fstream>
 #include <memory>
 
 #include "nn/base/error.h"
@@ -142,6 +144,50 @@ TEST(Mcap, AChunkWithAWrongCheckSumIsLeftOutAndSaid) {
   EXPECT_EQ(found.messages[3].bytes[0], 'g');
   ASSERT_EQ(found.notes.size(), 2U);  // the chunk, and the whole
   EXPECT_NE((found.notes[0] + found.notes[1]).find("CRC-32"), std::string::npos);
+}
+
+// Megabytes that the process holds.
+double resident_megabytes() {
+  std::ifstream file("/proc/self/statm");
+  long all = 0, resident = 0;
+  file >> all >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+// 400 messages of a megabyte, as holes in a file: every byte is looked at, twice, and none is held.
+TEST(BagFiles, MemoryDoesNotGrowWithTheFile) {
+  constexpr std::size_t kBytes = 1 << 20;
+  const test::TemporaryDirectory folder;
+  const std::string whole =
+      test::mcap_file({{"/left", "std_msgs/String", 0, std::string(8, '\0')}}, "cdr", 0, false);
+  const std::size_t record = whole.size() - 39;  // opcode, length, channel, sequence, times, 8 bytes
+  std::string message = whole.substr(record, 31);
+  message.replace(1, 8, test::little_endian(std::uint64_t{22 + kBytes}));
+  {
+    std::ofstream file(folder / "file", std::ios::binary);
+    file << whole.substr(0, record);
+    for (int i = 0; i < 400; ++i) {
+      file << message;
+      file.seekp(kBytes, std::ios::cur);
+    }
+    file << std::string("\x0f\4\0\0\0\0\0\0\0\0\0\0\0", 13)
+         << whole.substr(0, 8);  // the data's end, without a sum
+  }
+  const double before = resident_megabytes();
+  const std::unique_ptr<MessageSource> source = open_bag(folder / "file");
+  std::vector<MessagePlace> places;
+  double most = 0.0;
+  const auto look = [&](std::string_view bytes) {
+    EXPECT_EQ(std::count(bytes.begin(), bytes.end(), '\0'), static_cast<std::ptrdiff_t>(kBytes));
+    most = std::max(most, resident_megabytes());
+  };
+  source->read_all([&](const Message& m) {
+    places.push_back(m.place);
+    look(m.bytes);
+  });
+  ASSERT_EQ(places.size(), 400U);
+  for (const MessagePlace& place : places) look(source->read(place));
+  EXPECT_LT(most - before, 64.0);
 }
 
 TEST(BagFiles, OthersAreRefusedByName) {
