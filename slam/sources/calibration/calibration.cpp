@@ -48,7 +48,10 @@ std::string lens_text(const LensCamera& lens, std::string_view indent) {
   const bool fisheye = lens.model == LensModel::equidistant;
   if (!lens.distortion.empty()) {
     text += fmt::format("{0}distortion_model: {1}\n{0}distortion: [{2}]\n", indent,
-                        fisheye ? "equidistant" : "radial-tangential", fmt::join(lens.distortion, ", "));
+                        fisheye                       ? "equidistant"
+                        : lens.distortion.size() == 8 ? "rational"
+                                                      : "radial-tangential",
+                        fmt::join(lens.distortion, ", "));
   }
   return text;
 }

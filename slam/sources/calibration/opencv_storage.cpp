@@ -8,6 +8,8 @@ namespace penumbra::slam {
 
 namespace {
 
+constexpr std::size_t kRationalCoefficients = 8;  // k1 k2 p1 p2 k3 to k6
+
 // The names that stereoCalibrate's users give its results: of OpenCV's sample, of its documentation, others.
 struct OpencvNames {
   std::initializer_list<const char*> matrix, distortion;
@@ -35,8 +37,10 @@ LensCamera read_opencv_lens(const YamlFile& yaml, const OpencvNames& names) {
   LensCamera lens;
   const std::string matrix = matrix_key(yaml, found_name(yaml, names.matrix));
   set_intrinsics(lens, yaml.numbers(matrix, 9), yaml.place(matrix));
-  const std::string distortion = matrix_key(yaml, found_name(yaml, names.distortion));
-  set_lens_model(lens, "radial-tangential", yaml.numbers(distortion), yaml.place(distortion));
+  const std::string key = matrix_key(yaml, found_name(yaml, names.distortion));
+  const std::vector<double> distortion = yaml.numbers(key);
+  set_lens_model(lens, distortion.size() == kRationalCoefficients ? "rational" : "radial-tangential",
+                 distortion, yaml.place(key));
   return lens;
 }
 

@@ -219,6 +219,20 @@ TEST_F(Dialects, OpencvsStorageUnderItsUsualNames) {
   expect_test_rig({write("c.yml", storage("cameraMatrix", "distCoeffs"))}, name);
 }
 
+TEST_F(Dialects, OpencvsRationalModelIsWrittenBack) {
+  std::string text;
+  for (const char* side : {"1", "2"}) {
+    text += matrix(fmt::format("K{}", side), 3, 3, camera_matrix(kRig.left)) +
+            matrix(fmt::format("D{}", side), 1, 8, "0.1, 0.02, 0.001, -0.001, 0.003, 0.2, 0.01, 0.001");
+  }
+  text += matrix("R", 3, 3, rotation(Eigen::Matrix3d::Identity())) + matrix("T", 3, 1, "-0.1, 0, 0") +
+          "image_width: 752\nimage_height: 480\n";
+  const CameraFile read = read_camera_file(write("rational.yml", text));
+  EXPECT_EQ(read.left.distortion.size(), 8U);
+  const CameraFile again = read_camera_file(write("ours.yaml", calibration_text(read)));
+  EXPECT_EQ(again.left.distortion, read.left.distortion);
+}
+
 TEST_F(Dialects, SensorYamlOfBothCameras) {
   const auto sensor = [&](const LensCamera& c, const SE3& T_BS) {
     return matrix("T_BS", 4, 4, rows(T_BS, 4)) +
