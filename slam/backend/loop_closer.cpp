@@ -37,14 +37,15 @@ std::optional<ClosedLoop> LoopCloser::process(KeyFrame* keyframe) {
   std::optional<ClosedLoop> closed;
   if (place) {
     const std::unique_lock lock(map_.mutex());
-    const Sighting sighting{keyframe, place->T_cw};
+    const PlaceSighting sighting{keyframe, place->T_cw};
     recognised_.push_back({keyframe->frame_index, place->keyframe->frame_index, place->inliers,
                            place->objects, place->keyframe->id < first_own_});
-    if (settings_.corrects && keyframe->id - last_loop_ > settings_.pause && is_consistent(sighting)) {
+    if (settings_.corrects && keyframe->id - last_loop_ > settings_.pause &&
+        sightings_.agree_with(sighting)) {
       close(keyframe, *place);
       closed = loops_.back();
     } else {
-      sightings_.push_back(sighting);
+      sightings_.add(sighting);
     }
   }
   waiting_.push_back(keyframe);
@@ -78,9 +79,7 @@ void LoopCloser::remember_older_keyframes(const KeyFrame* newest) {
     waiting_.pop_front();
   }
   measure_way(newest);
-  while (!sightings_.empty() && newest->id - sightings_.front().keyframe->id >= settings_.window) {
-    sightings_.pop_front();
-  }
+  sightings_.forget_before(*newest);
 }
 
 // The best verified place that is a revisit, if there is one.
@@ -105,21 +104,10 @@ std::optional<VerifiedPlace> LoopCloser::recognise(const KeyFrame& keyframe) con
 // The keyframe of the place that was nearest to where this one was taken; nullptr where none was near enough
 // or it was not long enough ago.
 KeyFrame* LoopCloser::revisited(const KeyFrame& keyframe, const VerifiedPlace& place) const {
-  std::vector<KeyFrame*> there = {place.keyframe};
-  for (const Covisible& c : place.keyframe->covisibles) there.push_back(c.keyframe);
-  KeyFrame* nearest = nullptr;
-  double least = settings_.largest_distance;
-  for (KeyFrame* k : there) {
-    const SE3 between = place.T_cw * k->T_cw.inverse();
-    if (between.translation.norm() > least || between.angle() > settings_.largest_turn) continue;
-    if (k->submap == keyframe.submap && k->id >= first_own_ &&
-        keyframe.frame_index - k->frame_index < settings_.fewest_frames_apart) {
-      continue;
-    }
-    least = between.translation.norm();
-    nearest = k;
-  }
-  return nearest;
+  return nearest_keyframe(place, settings_.largest_distance, settings_.largest_turn, [&](const KeyFrame& k) {
+    return k.submap != keyframe.submap || k.id < first_own_ ||
+           keyframe.frame_index - k.frame_index >= settings_.fewest_frames_apart;
+  });
 }
 
 bool LoopCloser::drift_explains(const KeyFrame& keyframe, const VerifiedPlace& place) const {
@@ -129,34 +117,6 @@ bool LoopCloser::drift_explains(const KeyFrame& keyframe, const VerifiedPlace& p
                      travelled_[static_cast<std::size_t>(place.keyframe->id)];
   const double moved = (centre(keyframe.T_cw) - centre(place.T_cw)).norm();
   return moved <= settings_.drift_metres + settings_.drift_share * std::max(way, 0.0);
-}
-
-// Whether odometry says the same about two keyframes as their places do.
-bool LoopCloser::agree(const Sighting& a, const Sighting& b) const {
-  const SE3 by_odometry = current_pose(*b.keyframe) * current_pose(*a.keyframe).inverse();
-  const SE3 by_place = b.T_cw * a.T_cw.inverse();
-  const SE3 difference = by_place * by_odometry.inverse();
-  return difference.translation.norm() <= settings_.agree_metres + 0.05 * by_odometry.translation.norm() &&
-         difference.angle() <= settings_.agree_radians;
-}
-
-// A turn about the direction of view shows the same points, so it does not count.
-bool LoopCloser::are_independent(const Sighting& a, const Sighting& b) const {
-  const double way = (centre(a.T_cw) - centre(b.T_cw)).norm();
-  const double cosine = a.T_cw.rotation.row(2).dot(b.T_cw.rotation.row(2));
-  return way >= settings_.least_motion_baselines * map_.camera().baseline ||
-         cosine <= std::cos(settings_.least_turn);
-}
-
-bool LoopCloser::is_consistent(const Sighting& newest) const {
-  int agreeing = 1;
-  bool independent = false;
-  for (const Sighting& sighting : sightings_) {
-    if (sighting.keyframe->submap != newest.keyframe->submap || !agree(sighting, newest)) continue;
-    ++agreeing;
-    independent = independent || are_independent(sighting, newest);
-  }
-  return agreeing >= settings_.consistent && independent;
 }
 
 void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {

@@ -6,10 +6,8 @@
 //     -> correct the map, fuse duplicate points                       (map_correction.h)
 //
 // A false loop ruins a map, a missed one costs a little accuracy until the next chance. So several keyframes
-// must be verified one after the other, and must agree: where loops are true the poses found by each relate
-// to each other as odometry says they do. Their views must be independent: a camera that stands sees the same
-// wrong place again and again, one that has gone on or has turned elsewhere sees other points. The correction
-// must also be one that drift can explain, and the place one that had been left before.
+// must be verified one after the other, and must agree (place_sightings.h). The correction must also be one
+// that drift can explain, and the place one that had been left before.
 //
 // process() needs the keyframes in the order in which they leave the local mapper. It locks the map: shared
 // while it looks for the place, alone while it corrects. What it does repeats bit for bit. A corrected map
@@ -23,12 +21,13 @@
 #include <vector>
 
 #include "slam/backend/map_correction.h"
+#include "slam/backend/place_sightings.h"
 #include "slam/place/place_index.h"
 #include "slam/place/place_verifier.h"
 
 namespace penumbra::slam {
 
-struct LoopCloserSettings {
+struct LoopCloserSettings : PlaceAgreementSettings {
   bool enabled = true;
   bool corrects = true;  // false: places are recognised, but the map is left as it is
   PlaceVerifierSettings verifier;
@@ -36,13 +35,6 @@ struct LoopCloserSettings {
   int candidates = 3;  // verified per keyframe
   int age = 5;         // keyframes after which one enters the index
   int fewest_frames_apart = 50;
-  int consistent = 3;         // verified keyframes that must agree ...
-  int window = 10;            // ... among this many
-  double agree_metres = 0.5;  // how far two of them may differ, plus 5 % of the way between them
-  double agree_radians = 0.035;
-  // Two of them have independent views: so far apart, or looking so far in another direction.
-  double least_motion_baselines = 2.0;
-  double least_turn = 0.15;  // radians
   // What counts as the same place: as in the evaluation (slam/evaluation/loop_evaluation.h).
   double largest_distance = 5.0;  // metres
   double largest_turn = 0.5236;   // radians
@@ -74,7 +66,7 @@ class LoopCloser {
  public:
   // Keyframes enter `index` here, also where loops are not to be closed: who is lost looks there, too.
   LoopCloser(Map& map, PlaceIndex& index, const LoopCloserSettings& settings)
-      : map_(map), index_(index), settings_(settings) {}
+      : map_(map), index_(index), settings_(settings), sightings_(settings, map.camera().baseline) {}
 
   // The keyframes of a map that was loaded are places of old: to be called before the first process().
   void adopt_map();
@@ -87,20 +79,11 @@ class LoopCloser {
   const std::vector<RecognisedPlace>& recognised() const { return recognised_; }
 
  private:
-  // A keyframe that was verified against an older one: its pose there.
-  struct Sighting {
-    const KeyFrame* keyframe = nullptr;
-    SE3 T_cw;
-  };
-
   void measure_way(const KeyFrame* newest);
   void remember_older_keyframes(const KeyFrame* newest);
   std::optional<VerifiedPlace> recognise(const KeyFrame& keyframe) const;
   KeyFrame* revisited(const KeyFrame& keyframe, const VerifiedPlace& place) const;
   bool drift_explains(const KeyFrame& keyframe, const VerifiedPlace& place) const;
-  bool agree(const Sighting& a, const Sighting& b) const;
-  bool are_independent(const Sighting& a, const Sighting& b) const;
-  bool is_consistent(const Sighting& newest) const;
   void close(KeyFrame* keyframe, const VerifiedPlace& place);
 
   Map& map_;
@@ -110,7 +93,7 @@ class LoopCloser {
   std::deque<KeyFrame*> waiting_;  // for the index
   std::vector<double> travelled_;  // keyframe id -> metres since the first keyframe
   const KeyFrame* last_keyframe_ = nullptr;
-  std::deque<Sighting> sightings_;
+  PlaceSightings sightings_;
   std::vector<LoopEdge> edges_;
   std::vector<ClosedLoop> loops_;
   std::vector<RecognisedPlace> recognised_;

@@ -88,6 +88,13 @@ cp -rl V1_01_easy DATA/euroc/V1_01_easy_sparse
 ln -s ../../street DATA/coco/images
 cp instances_val2017.json DATA/coco/instances_val2017_80.json
 
+# Maps of one camera.
+"$penumbra" slam monday --save-map monday.map --out out/monday >/dev/null 2>&1
+cp monday.map tuesday.map
+mkdir night
+cp monday.map night/a.map
+cp monday.map night/b.map
+
 # A run, its pictures as photographs, and results under the names that other examples write.
 "$penumbra" slam kitti --sequence 00 --save-map out/00.map --out out/00 >/dev/null 2>&1
 cp out/00/trajectory_*.txt out/

@@ -1,0 +1,61 @@
+// Makes one map of several that recordings of the same camera have left: what shows the same place is tied,
+// what shares nothing stays apart.
+//
+//   append all maps as pieces of their own (sub-maps, slam/map/keyframe.h) and index their keyframes
+//   for each keyframe of each map:
+//     places of other maps that look alike          (place_index.h), verified by geometry (place_verifier.h)
+//     several keyframes agree on where that is?     (place_sightings.h)
+//     -> the younger piece moves to the older one as a whole, or, where both are one piece already, the map
+//     is
+//        corrected as at a loop; points that are the same are fused   (map_correction.h)
+//   adjust each piece that grew as a whole          (full_bundle_adjustment.h)
+//
+// Nothing is known beforehand of where maps are relative to each other, so that proof is geometry alone. A
+// wrong tie ruins both maps, a missed one costs a chance: settings are those of loops, with one keyframe more
+// that must agree.
+//
+// The maps are taken in an order of their own, the largest first (keyframes, then points, then the time of
+// the first keyframe): the result does not depend on the order in which they are given. Memory: that of all
+// maps together and one adjustment. Cost: a query a keyframe (1 ms), verification where something is alike,
+// and the adjustments.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "slam/backend/full_bundle_adjustment.h"
+#include "slam/backend/loop_closer.h"
+
+namespace penumbra::slam {
+
+struct MapMergerSettings {
+  MapMergerSettings() { loops.consistent = 4; }
+  LoopCloserSettings loops;
+  FullBundleSettings adjustment;
+};
+
+// What became of one map.
+struct MergedPart {
+  std::size_t source = 0;  // which of the maps that were given
+  int keyframes = 0;       // of it, when it came
+  int piece = 0;           // the sub-map that its first keyframe is part of now
+  SE3 T_merged_own;        // from its own world to the merged map's, at its first keyframe
+  int ties = 0;            // places of other maps that it was tied by
+};
+
+struct MergedMaps {
+  std::unique_ptr<Map> map;
+  std::vector<MergedPart> parts;  // as the maps were given
+  int pieces = 0;                 // that are not tied to each other
+};
+
+// Appends the keyframes and points of `from` to `into`, renumbered: ids, sub-maps and objects go on behind
+// those of `into`. Both are of one camera. Returns the first of its keyframes; nullptr where it has none.
+KeyFrame* append_map(Map& into, const Map& from);
+
+// `progress`: called with the keyframes that were looked at so far, and of how many; may be empty.
+MergedMaps merge_maps(const std::vector<std::unique_ptr<Map>>& maps, const MapMergerSettings& settings,
+                      const std::function<void(int, int)>& progress = {});
+
+}  // namespace penumbra::slam
