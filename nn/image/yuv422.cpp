@@ -27,7 +27,7 @@ ByteImage bgr_of_yuv422(const ByteView& pairs, Yuv422Order order) {
     for (int x = 0; x + 1 < pairs.width; x += 2, in += 4) {
       const int u = in[chroma] - 128, v = in[chroma + 2] - 128;
       for (const int pixel : {0, 1}) {
-        const int bright = kBrightness * (in[luma + 2 * pixel] - 16) + kHalf;
+        const int bright = kBrightness * std::max(0, in[luma + 2 * pixel] - 16) + kHalf;
         *out++ = level(bright + kBlueU * u);
         *out++ = level(bright - kGreenU * u - kGreenV * v);
         *out++ = level(bright + kRedV * v);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "nn/image/image_file.h"
 #include "slam/map/ply.h"
@@ -122,6 +123,17 @@ TEST(BagCommands, ARecordingWithDepthGivesTheTrajectoryOfItsFolder) {
       run_penumbra(fmt::format("synth --sensor rgbd --size 320x240 --frames 8 --out {}", office.string()))
           .exit_code,
       0);
+  // A header with the time 0, the first frame's, would be one without: a second later.
+  for (const char* name : {"rgb.txt", "depth.txt"}) {
+    std::istringstream lines(read_file(office / name));
+    std::string later;
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t space = line.find(' ');
+      later +=
+          line[0] == '#' ? line + "\n" : fmt::format("{:.6f}{}\n", std::stod(line) + 1.0, line.substr(space));
+    }
+    write_file(office / name, later);
+  }
   const auto dataset = slam::open_dataset(office);
   const slam::StereoCamera& camera = dataset->camera();
   const auto width = static_cast<std::uint32_t>(camera.width),

@@ -182,7 +182,7 @@ TEST_F(Kitti, MissingFolderFileAndEmptyFolderAreRefused) {
       {"sequences/08", "an empty folder"});
   expect_error<InputError>([&] { open_kitti(root() / "poses", {}); }, {"image_0/ and image_1/", "neither"});
   expect_error<UsageError>([] { parse_dataset_format("vicon"); },
-                           {"vicon", "auto, kitti, euroc, published, tum or folder"});
+                           {"vicon", "auto, kitti, euroc, published, tum, folder or bag"});
 }
 
 TEST_F(Kitti, MissingOrEmptyImageFolderIsRefused) {
