@@ -37,7 +37,8 @@ struct Window {
     x = has_roi ? i.roi_x : 0;
     y = has_roi ? i.roi_y : 0;
     const double w = (has_roi ? i.roi_width : i.width) / by_x, h = (has_roi ? i.roi_height : i.height) / by_y;
-    if (w * h > static_cast<double>(nn::kMaxImagePixels))
+    constexpr double kLongestSide = 65535.0;
+    if (std::max(w, h) > kLongestSide || w * h > static_cast<double>(nn::kMaxImagePixels))
       throw InputError(said.topic, "an image that can be", fmt::format("{} x {}", w, h));
     width = static_cast<int>(w);
     height = static_cast<int>(h);

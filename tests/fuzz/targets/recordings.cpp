@@ -1,6 +1,7 @@
 // Readers of robots' recordings, and of the messages in them.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -65,7 +66,9 @@ void decode(const Image& image) {
 }
 
 // Lenses of any size would make tables of any size.
-bool is_small(const slam::CameraInfoMessage& info) { return info.width <= 64 && info.height <= 64; }
+bool is_small(const slam::CameraInfoMessage& info) {
+  return std::max({info.width, info.height, info.roi_width, info.roi_height}) <= 64;
+}
 
 }  // namespace
 
