@@ -1,6 +1,9 @@
 #include "apps/common/compute_options.h"
 
+#include <fmt/format.h>
+
 #include <string>
+#include <vector>
 
 #include "nn/base/parallel.h"
 #include "nn/simd/isa.h"
@@ -13,10 +16,12 @@ void add_threads_option(CLI::App* command) {
 }
 
 void add_isa_option(CLI::App* command) {
+  std::vector<const char*> names;
+  for (const nn::Isa isa : nn::kIsas) names.push_back(to_string(isa));
   command->add_option_function<std::string>(
       "--isa", [](const std::string& name) { nn::use_isa(nn::isa_from_name(name)); },
-      "instruction set of the network: baseline, avx2, avx512, amx, or for tests amx-emulated (default: the "
-      "widest here)");
+      fmt::format("instruction set of the network: {} (default: the widest here that is not emulated)",
+                  fmt::join(names, ", ")));
 }
 
 }  // namespace penumbra::apps

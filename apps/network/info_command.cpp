@@ -86,10 +86,7 @@ void print_table(const nn::StateDict& state, const char* format) {
 void show_cpu(bool json) {
   nlohmann::ordered_json isas = nlohmann::ordered_json::object(),
                          precisions = nlohmann::ordered_json::object();
-  for (const nn::Isa isa :
-       {nn::Isa::baseline, nn::Isa::avx2, nn::Isa::avx512, nn::Isa::amx, nn::Isa::amx_emulated}) {
-    isas[nn::to_string(isa)] = nn::is_supported(isa);
-  }
+  for (const nn::Isa isa : nn::kIsas) isas[nn::to_string(isa)] = nn::is_supported(isa);
   for (const nn::Precision precision : {nn::Precision::f32, nn::Precision::bf16, nn::Precision::int8}) {
     precisions[nn::to_string(precision)] = nn::is_supported(precision);
   }

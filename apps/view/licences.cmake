@@ -4,6 +4,10 @@
 # penumbra_collect_licences(FILE): writes FILE.
 function(penumbra_collect_licences file)
   set(text "")
+  set(of_processor "")
+  if(NOT processor STREQUAL "x86_64")
+    set(of_processor "SIMDe|the kernels of bytes|libsimde-dev")
+  endif()
   # name | where its code is | the packages that may bring its licence
   foreach(entry IN ITEMS
       "three.js|in the report's page|libjs-three"
@@ -17,6 +21,7 @@ function(penumbra_collect_licences file)
       "SQLite|reads recordings of ROS 2|libsqlite3-dev"
       "Eigen|linear algebra|libeigen3-dev"
       "xsimd|vector registers|libxsimd-dev"
+      ${of_processor}
       "fmt|formatting of text|libfmt-dev"
       "spdlog|messages on stderr|libspdlog-dev"
       "CLI11|the command line|libcli11-dev"
@@ -30,8 +35,8 @@ function(penumbra_collect_licences file)
     string(REPLACE "," ";" packages "${packages}")
     set(licence "")
     foreach(package IN LISTS packages)
-      if(EXISTS /usr/share/doc/${package}/copyright)
-        file(READ /usr/share/doc/${package}/copyright licence)
+      if(EXISTS ${CMAKE_SYSROOT}/usr/share/doc/${package}/copyright)
+        file(READ ${CMAKE_SYSROOT}/usr/share/doc/${package}/copyright licence)
         break()
       endif()
     endforeach()

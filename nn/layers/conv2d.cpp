@@ -50,7 +50,8 @@ Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptio
   if (options.winograd && !on_tiles_ && three_by_three && groups == 1 &&
       winograd_pays(input_channels_, outputs_)) {
     // 8 bits would be too few for the sums that Winograd multiplies.
-    const bool rough = options.format.precision != Precision::f32 && bf16_arithmetic() != Bf16Arithmetic::f32;
+    const bool rough = options.format.precision != Precision::f32 && is_supported(Precision::bf16) &&
+                       bf16_arithmetic() != Bf16Arithmetic::f32;
     winograd_ = Winograd(weight, bias, rough ? Precision::bf16 : Precision::f32);
     return;
   }

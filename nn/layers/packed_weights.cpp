@@ -82,13 +82,14 @@ PackedWeights::PackedWeights(int outputs, int taps, int depth, const WeightSourc
   std::vector<double> sums(padded, 0.0);  // of the whole-number weights
   pack(source, factor, sums);
   for (std::size_t o = 0; o < scale_.size(); ++o) {
-    bias_[o] -= static_cast<float>(static_cast<double>(scale_[o]) * format.input.zero * sums[o]);
+    const int zero = format.input.zero - kernels_->input_offset;
+    bias_[o] -= static_cast<float>(static_cast<double>(scale_[o]) * zero * sums[o]);
   }
 }
 
 void PackedWeights::pack(const WeightSource& source, const std::vector<float>& factor,
                          std::vector<double>& sums) {
-  const int width = kernels_->channels, group = channel_group(format_.precision);
+  const int width = kernels_->channels, group = this->group();
   const int row = taps_ * depth_, padded = static_cast<int>(bias_.size());
   parallel_for(tiles_, grain_of(std::int64_t{width} * row), [&](int tile) {
     float columns[kMostTileChannels][kColumns];

@@ -1,7 +1,7 @@
 // Weights in the order in which the register-tile kernel reads them: [tile][tap][depth / g][V][g], where V is
 // the tile's output channels (32, 16 or 8 by instruction set; the last tile may be a narrow one of 16) and g
-// the channels that one instruction adds up (1 of f32, 2 of bf16, 4 of int8). Output channels are padded with
-// zeros to whole blocks of 16. See nn/simd/kernel_table.h.
+// the channels that one instruction adds up (1 of f32, 2 or 4 of bf16, 4 or 8 of int8). Output channels are
+// padded with zeros to whole blocks of 16. See nn/simd/kernel_table.h.
 //
 // In int8 every output channel o has a scale of its own, s_o = max |w_o| / 127, and inputs are
 // x = s (q - zero). With whole numbers q and q_w the tile computes s s_o sum q q_w; what the zero adds to
@@ -43,7 +43,7 @@ class PackedWeights {
  public:
   PackedWeights() = default;
   // `source` is read now; `bias` has one value an output channel or is empty for none. `depth` must be a
-  // multiple of 4 g. Threads share the work, which takes about as long as copying the weights.
+  // multiple of 16 bytes. Threads share the work, which takes about as long as copying the weights.
   PackedWeights(int outputs, int taps, int depth, const WeightSource& source, const std::vector<float>& bias,
                 const NumberFormat& format = {});
   // The layout alone, of weights that lie elsewhere; no biases.
@@ -55,6 +55,7 @@ class PackedWeights {
   int tiles() const { return tiles_; }
   int tile_pixels() const { return kernels_->pixels; }
   int tile_channels() const { return kernels_->channels; }
+  int group() const { return kernels_->group_bytes / element_size(format_.precision); }  // g
   const NumberFormat& format() const { return format_; }
 
   std::size_t bytes() const;  // of all tiles

@@ -107,21 +107,22 @@ ArenaBuffer Winograd::prepare(Arena& arena) const {
       a.count = kBlock;
       return kernels().winograd_weights(a);
     }
-    // Pairs of channels side by side, as layout_ has them in bf16.
-    float pair[kWinogradPositions][2][kMostTileChannels];
-    a.position_stride = 2 * kMostTileChannels;
+    // Groups of channels side by side, as layout_ has them in bf16.
+    constexpr int kMostGroup = 4;
+    const int group = layout_.group();
+    float channels[kWinogradPositions][kMostGroup][kMostTileChannels];
+    a.position_stride = kMostGroup * kMostTileChannels;
     a.count = 1;
-    for (int c = 0; c < kBlock; c += 2) {
-      for (int i = 0; i < 2; ++i, a.input += kWinogradKernel * tile.channels) {
-        a.output = &pair[0][i][0];
+    for (int c = 0; c < kBlock; c += group) {
+      for (int i = 0; i < group; ++i, a.input += kWinogradKernel * tile.channels) {
+        a.output = &channels[0][i][0];
         kernels().winograd_weights(a);
       }
       for (int k = 0; k < kWinogradPositions; ++k) {
         auto* out = reinterpret_cast<std::uint16_t*>(start + static_cast<std::size_t>(k) * stride) + place +
                     c * tile.channels;
         for (int o = 0; o < tile.channels; ++o) {
-          out[2 * o] = f32_to_bf16(pair[k][0][o]);
-          out[2 * o + 1] = f32_to_bf16(pair[k][1][o]);
+          for (int i = 0; i < group; ++i) *out++ = f32_to_bf16(channels[k][i][o]);
         }
       }
     }

@@ -1,15 +1,18 @@
 #include "nn/simd/amx_permission.h"
 
+#if defined(__x86_64__)
 #include <cpuid.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cstdint>
+#endif
 
 namespace penumbra::nn {
 
 namespace {
 
+#if defined(__x86_64__)
 // Of XCR0, the states that the system saves: shapes and contents of the tiles.
 constexpr unsigned kTileConfigurationState = 17, kTileDataState = 18;
 constexpr long kRequestPermission = 0x1023;  // ARCH_REQ_XCOMP_PERM
@@ -35,6 +38,9 @@ AmxState ask() {
   const bool granted = syscall(SYS_arch_prctl, kRequestPermission, kTileDataState) == 0;
   return granted ? AmxState::granted : AmxState::refused;
 }
+#else
+AmxState ask() { return AmxState::absent; }
+#endif
 
 }  // namespace
 

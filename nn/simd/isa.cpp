@@ -1,8 +1,14 @@
 #include "nn/simd/isa.h"
 
-#include <array>
+#if defined(__aarch64__)
+#include <sys/auxv.h>
+#endif
+
+#include <fmt/format.h>
+
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "nn/base/error.h"
 #include "nn/simd/amx_permission.h"
@@ -11,7 +17,13 @@ namespace penumbra::nn {
 
 namespace {
 
-constexpr std::array kNative{Isa::amx, Isa::avx512, Isa::avx2, Isa::baseline};  // widest first
+#if defined(__aarch64__)
+// Of Linux's <asm/hwcap.h>, whose older versions lack some.
+constexpr unsigned long kDotProducts = 1UL << 20;              // of AT_HWCAP: ASIMDDP
+constexpr unsigned long kI8mm = 1UL << 13, kBf16 = 1UL << 14;  // of AT_HWCAP2
+
+bool has(unsigned long type, unsigned long bits) { return (getauxval(type) & bits) == bits; }
+#endif
 
 Isa& chosen() {
   static Isa isa = [] {
@@ -20,8 +32,8 @@ Isa& chosen() {
       if (!is_supported(wanted)) throw UsageError(fmt::format("PENUMBRA_ISA={}: not on this machine", name));
       return wanted;
     }
-    for (const Isa candidate : kNative) {
-      if (is_supported(candidate)) return candidate;
+    for (auto widest = kIsas.rbegin(); widest != kIsas.rend(); ++widest) {
+      if (*widest != Isa::amx_emulated && is_supported(*widest)) return *widest;
     }
     throw Error("this processor lacks SSE4.2, which Penumbra needs");
   }();
@@ -42,20 +54,28 @@ const char* to_string(Isa isa) {
       return "amx";
     case Isa::amx_emulated:
       return "amx-emulated";
+    case Isa::neon:
+      return "neon";
+    case Isa::neon_dot:
+      return "neon-dot";
+    case Isa::neon_bf16:
+      return "neon-bf16";
   }
   return "?";
 }
 
 Isa isa_from_name(std::string_view name) {
-  for (const Isa isa : kNative) {
+  std::vector<const char*> names;
+  for (const Isa isa : kIsas) {
     if (name == to_string(isa)) return isa;
+    names.push_back(to_string(isa));
   }
-  if (name == to_string(Isa::amx_emulated)) return Isa::amx_emulated;
   throw UsageError(
-      fmt::format("instruction set: expected baseline, avx2, avx512, amx or amx-emulated, found '{}'", name));
+      fmt::format("instruction set: expected one of {}, found '{}'", fmt::join(names, ", "), name));
 }
 
 bool is_supported(Isa isa) {
+#if defined(__x86_64__)
   // __builtin_cpu_supports also asks whether the operating system saves the wide registers.
   switch (isa) {
     case Isa::baseline:
@@ -70,8 +90,24 @@ bool is_supported(Isa isa) {
       return is_supported(Isa::avx512) && amx_state() == AmxState::granted;
     case Isa::amx_emulated:
       return is_supported(Isa::avx2);
+    default:
+      return false;
   }
-  return false;
+#elif defined(__aarch64__)
+  switch (isa) {
+    case Isa::baseline:
+    case Isa::neon:
+      return true;
+    case Isa::neon_dot:
+      return has(AT_HWCAP, kDotProducts);
+    case Isa::neon_bf16:
+      return is_supported(Isa::neon_dot) && has(AT_HWCAP2, kI8mm | kBf16);
+    default:
+      return false;
+  }
+#else
+  return isa == Isa::baseline;
+#endif
 }
 
 Isa current_isa() { return chosen(); }

@@ -4,6 +4,7 @@ namespace penumbra::nn {
 
 const KernelTable& kernels() {
   switch (current_isa()) {
+#if defined(__x86_64__)
     case Isa::amx:
     case Isa::avx512:
       return avx512::kKernels;
@@ -11,10 +12,15 @@ const KernelTable& kernels() {
       return avx2::kKernels;
     case Isa::amx_emulated:
       return is_supported(Isa::avx512) ? avx512::kKernels : avx2::kKernels;
-    case Isa::baseline:
-      break;
+#elif defined(__aarch64__)
+    case Isa::neon:
+    case Isa::neon_dot:
+    case Isa::neon_bf16:
+      return neon::kKernels;
+#endif
+    default:
+      return baseline::kKernels;
   }
-  return baseline::kKernels;
 }
 
 }  // namespace penumbra::nn

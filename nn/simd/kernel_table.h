@@ -20,8 +20,8 @@ namespace penumbra::nn {
 // side at a tap, and start = bias, or what `output` holds where `accumulate` is set; a residual is added at
 // the end. One kernel serves every layer that multiplies: convolutions, transposed convolutions, fully
 // connected layers and Winograd's products. The sums stay in registers: 14 pixels x 32 channels on AVX-512,
-// 6 x 16 on AVX2. Every multiply-add is one fused instruction on both; per multiply-add of 14 x 32 the kernel
-// loads 2 weight vectors and 14 scalars. Cost: P * V * taps * depth multiply-adds.
+// 6 x 16 on AVX2, 8 x 8 on NEON. Every multiply-add is one fused instruction on all three; per multiply-add
+// of 14 x 32 the kernel loads 2 weight vectors and 14 scalars. Cost: P * V * taps * depth multiply-adds.
 //
 // x and w are f32, or bf16 or 8-bit numbers in the tiles of low_precision.h. Strides count elements of x.
 struct TileArguments {
@@ -53,6 +53,8 @@ struct TileKernels {
   // full[p - 1] computes p pixels of a full tile, narrow[p - 1] of a 16-channel one.
   std::array<TileFunction, kMaxTilePixels> full;
   std::array<TileFunction, kMaxTilePixels> narrow;
+  int group_bytes = 4;   // of weights: so many bytes of an output channel's lie side by side
+  int input_offset = 0;  // of 8-bit tiles: what their conversion takes from an input's 0..255
 };
 
 // Winograd's transforms of 16 channels; docs/engine/winograd.md derives them, nn/layers/winograd.h uses them.
@@ -190,6 +192,9 @@ namespace avx2 {
 extern const KernelTable kKernels;
 }
 namespace avx512 {
+extern const KernelTable kKernels;
+}
+namespace neon {
 extern const KernelTable kKernels;
 }
 

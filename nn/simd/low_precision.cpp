@@ -21,6 +21,7 @@ std::atomic<Bf16Arithmetic>& vector_arithmetic() {
 
 std::once_flag measured;
 
+#if defined(__x86_64__)
 // Seconds of some calls of a full tile whose inputs and weights are in the L1 cache.
 double tile_seconds(const TileKernels& tile, const std::byte* zeros) {
   constexpr int kCalls = 20, kTaps = 4, kDepth = 32;
@@ -56,6 +57,9 @@ Bf16Arithmetic faster_arithmetic() {
   }
   return dot_products < kWorthIt * f32 ? Bf16Arithmetic::dot_products : Bf16Arithmetic::f32;
 }
+#else
+Bf16Arithmetic faster_arithmetic() { return Bf16Arithmetic::dot_products; }
+#endif
 
 }  // namespace
 
@@ -81,17 +85,27 @@ Precision precision_from_name(std::string_view name) {
 bool is_supported(Precision precision) {
   if (precision == Precision::f32) return true;
   if (tile_unit() != nullptr) return true;
+#if defined(__x86_64__)
   // Both kinds of kernels are in one file, which is compiled for both extensions.
   return current_isa() == Isa::avx512 && __builtin_cpu_supports("avx512bf16") != 0 &&
          __builtin_cpu_supports("avx512vnni") != 0;
+#else
+  return current_isa() == Isa::neon_bf16 || (current_isa() == Isa::neon_dot && precision == Precision::int8);
+#endif
 }
 
 void require(Precision precision) {
   if (is_supported(precision)) return;
-  throw UsageError(fmt::format(
-      "precision {}: needs a processor with AMX, or with AVX512_BF16 and AVX512_VNNI, and the amx "
-      "or avx512 instruction set, which is {} here; f32 runs everywhere",
-      to_string(precision), to_string(current_isa())));
+#if defined(__x86_64__)
+  constexpr auto kNeeded =
+      "a processor with AMX, or with AVX512_BF16 and AVX512_VNNI, and the amx or avx512 instruction set";
+#else
+  constexpr auto kNeeded =
+      "an ARM processor with BF16 and I8MM (for int8 alone: with DotProd) and the neon-bf16 (or neon-dot) "
+      "instruction set";
+#endif
+  throw UsageError(fmt::format("precision {}: needs {}, which is {} here; f32 runs everywhere",
+                               to_string(precision), kNeeded, to_string(current_isa())));
 }
 
 const char* to_string(Bf16Arithmetic arithmetic) {
@@ -120,7 +134,14 @@ void use_bf16_arithmetic(Bf16Arithmetic arithmetic) { vector_arithmetic() = arit
 const LowPrecisionKernels& low_precision_kernels(Precision precision) {
   static constexpr LowPrecisionKernels kTiles{{kTileRows, kTileBlockOutputs, {}, {}}, nullptr};
   if (tile_unit() != nullptr) return kTiles;
+#if defined(__x86_64__)
   return precision == Precision::bf16 ? avx512_low::kBf16Kernels : avx512_low::kInt8Kernels;
+#elif defined(__aarch64__)
+  if (current_isa() == Isa::neon_dot) return neon_dot::kInt8Kernels;
+  return precision == Precision::bf16 ? neon_bf16::kBf16Kernels : neon_bf16::kInt8Kernels;
+#else
+  throw UsageError(fmt::format("precision {}: no kernels for this processor", to_string(precision)));
+#endif
 }
 
 }  // namespace penumbra::nn

@@ -5,16 +5,16 @@
 namespace penumbra::nn {
 
 const TileUnit* tile_unit() {
+#if defined(__x86_64__)
   switch (current_isa()) {
     case Isa::amx:
       return &amx::kTileUnit;
     case Isa::amx_emulated:
       return &amx_emulated::kTileUnit;
-    case Isa::avx512:
-    case Isa::avx2:
-    case Isa::baseline:
+    default:
       break;
   }
+#endif
   return nullptr;
 }
 

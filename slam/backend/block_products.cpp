@@ -36,7 +36,10 @@ using TwoNumbers [[gnu::vector_size(16)]] = double;
   }
 }
 
-[[gnu::target("avx")]] void subtract_with_avx(const DenseBlocks& blocks, int a, const Matrix63& Y,
+#if defined(__x86_64__)
+[[gnu::target("avx")]]
+#endif
+void subtract_with_avx(const DenseBlocks& blocks, int a, const Matrix63& Y,
                                               const Matrix63* W, const std::vector<int>& slots) {
   subtract(blocks, a, Y, W, slots);
 }

@@ -23,6 +23,8 @@ constexpr std::size_t kPointBytes = 24 + 8 + 3 + 4 + 4;             // without p
 constexpr std::size_t kObservationBytes = 4 + 4 + 1;
 constexpr int kMostSubmaps = 1 << 30, kMostObjects = 1 << 30;
 
+bool is_mark(char c) { return c == 0 || c == 1; }
+
 std::vector<double> get_scales(ByteReader& in) {
   const std::uint32_t levels = in.get_count(sizeof(double), "pyramid levels");
   if (levels == 0 || levels > kMostLevels) {
@@ -61,8 +63,7 @@ void check_features(const ByteReader& in, const FrameFeatures& f, const std::vec
     const bool good = k.u >= -1.0F && k.u <= static_cast<float>(camera.width) && k.v >= -1.0F &&
                       k.v <= static_cast<float>(camera.height) && k.level >= 0 && k.level < levels &&
                       std::isfinite(k.angle) && std::isfinite(k.response) && std::isfinite(f.u_right[at]) &&
-                      std::isfinite(f.depth[at]) && stereo == (f.depth[at] > 0.0F) && movable[at] >= 0 &&
-                      movable[at] <= 1;
+                      std::isfinite(f.depth[at]) && stereo == (f.depth[at] > 0.0F) && is_mark(movable[at]);
     if (!good) {
       in.refuse("features inside the image and the pyramid",
                 fmt::format("feature {} at ({}, {}), level {}, depth {}", i, k.u, k.v, k.level, f.depth[at]));
@@ -82,7 +83,7 @@ SeenObject get_object(ByteReader& in) {
   constexpr int kFarthest = 1 << 20;  // pixels: sums of them are numbers
   const bool is_region = std::abs(std::int64_t{r.x}) < kFarthest && std::abs(std::int64_t{r.y}) < kFarthest &&
                          r.width >= 0 && r.width < kFarthest && r.height >= 0 && r.height < kFarthest;
-  if (object.number < 0 || object.number >= kMostObjects || !is_region || stands < 0 || stands > 1) {
+  if (object.number < 0 || object.number >= kMostObjects || !is_region || !is_mark(stands)) {
     in.refuse("an object with a number and a region of the image",
               fmt::format("number {}, region {}x{} at ({}, {}), mark {}", object.number, r.width, r.height,
                           r.x, r.y, static_cast<int>(stands)));
@@ -147,7 +148,7 @@ void get_point(ByteReader& in, Map& map) {
     const char aligned = in.get<char>("observation");
     const auto& keyframes = map.keyframes();
     if (k >= keyframes.size() || k <= last || feature >= keyframes[k]->points.size() ||
-        keyframes[k]->points[feature] != nullptr || aligned < 0 || aligned > 1) {
+        keyframes[k]->points[feature] != nullptr || !is_mark(aligned)) {
       in.refuse("the free feature of a later keyframe", fmt::format("feature {} of keyframe {}", feature, k));
     }
     last = k;

@@ -48,6 +48,7 @@ TEST(EngineChapters, Tensors) {
   EXPECT_EQ(map.pixel(0, 18 / kBlock, 1, 2) + 18 % kBlock - map.pixel(0, 0, -1, -1), 834);
 }
 
+#if defined(__x86_64__)
 // One TDPBF16PS: a tile of one pixel, four channels, one output. By emulation, which tile_unit_test holds to
 // the processor.
 float tile_product(const std::array<float, 4>& x, const std::array<float, 4>& w, float c) {
@@ -74,6 +75,7 @@ TEST(EngineChapters, TileUnits) {
   EXPECT_EQ(map.block(), 32);
   EXPECT_EQ(map.line(0, 1, 2, 3) - map.line(0, 1, 2, 2), kLineBytes);
 }
+#endif
 
 TEST(EngineChapters, Memory) {
   const std::vector<BufferLifetime> chain{{64, 0, 2}, {640, 1, 3}, {256, 2, 4}, {320, 3, 5}, {128, 4, 6}};

@@ -75,6 +75,6 @@ class EveryIsa : public ::testing::TestWithParam<nn::Isa> {
 };
 
 inline std::string isa_name(const ::testing::TestParamInfo<nn::Isa>& info) { return to_string(info.param); }
-inline auto every_isa() { return ::testing::Values(nn::Isa::baseline, nn::Isa::avx2, nn::Isa::avx512); }
+inline auto every_isa() { return ::testing::ValuesIn(nn::kKernelIsas); }
 
 }  // namespace penumbra::test

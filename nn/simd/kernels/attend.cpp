@@ -23,8 +23,7 @@ void score(const AttendArguments& a) {
 
 float largest(const float* scores, std::ptrdiff_t count) {
   Vector top(-std::numeric_limits<float>::max());
-  for (std::ptrdiff_t i = 0; i < count; i += kLanes)
-    top = xsimd::max(top, Vector::load_unaligned(scores + i));
+  for (std::ptrdiff_t i = 0; i < count; i += kLanes) top = max(top, Vector::load_unaligned(scores + i));
   float lanes[kLanes];
   top.store_unaligned(lanes);
   float result = lanes[0];
@@ -35,7 +34,7 @@ float largest(const float* scores, std::ptrdiff_t count) {
 float sum_of(const float* scores, std::ptrdiff_t count) {
   Vector sum(0.0F);
   for (std::ptrdiff_t i = 0; i < count; i += kLanes) sum = sum + Vector::load_unaligned(scores + i);
-  return xsimd::hadd(sum);
+  return hadd(sum);
 }
 
 // out[c] += factor sum_i scores[i] value[16 i + c] for a block of channels.

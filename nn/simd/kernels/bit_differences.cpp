@@ -1,10 +1,13 @@
 // The bits in which rows of 256 differ. Where the processor counts them in vectors (AVX-512 VPOPCNTDQ), eight
 // rows go together: four registers of two rows each, whose counts are put side by side in 16-bit fields and
-// then added across the four words of a row. Elsewhere a word at a time: one instruction since x86-64-v2.
+// then added across the four words of a row. NEON counts in bytes, and adds up those of a row. Elsewhere a
+// word at a time: one instruction since x86-64-v2.
 #include "nn/simd/kernels/kernels.h"
 
 #if defined(__AVX512F__)
 #include <immintrin.h>
+#elif defined(PENUMBRA_NEON)
+#include <arm_neon.h>
 #endif
 
 namespace penumbra::nn::PENUMBRA_ISA {
@@ -12,9 +15,16 @@ namespace penumbra::nn::PENUMBRA_ISA {
 namespace {
 
 std::uint16_t row_difference(const std::uint64_t* a, const std::uint64_t* b) {
+#if defined(PENUMBRA_NEON)
+  const auto counts = [&](int w) {
+    return vcntq_u8(vreinterpretq_u8_u64(veorq_u64(vld1q_u64(a + w), vld1q_u64(b + w))));
+  };
+  return vaddlvq_u8(vaddq_u8(counts(0), counts(2)));
+#else
   int sum = 0;
   for (int w = 0; w < kBitRowWords; ++w) sum += __builtin_popcountll(a[w] ^ b[w]);
   return static_cast<std::uint16_t>(sum);
+#endif
 }
 
 #if defined(__AVX512F__)

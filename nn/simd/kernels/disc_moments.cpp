@@ -1,8 +1,7 @@
 // The moments that give a corner its direction: products of bytes with small weights, summed in pairs to 16
 // bits and in fours to 32.
-#include <immintrin.h>
-
 #include "nn/simd/kernels/kernels.h"
+#include "nn/simd/kernels/sse.h"
 
 namespace penumbra::nn::PENUMBRA_ISA {
 

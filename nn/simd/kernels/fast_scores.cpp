@@ -12,14 +12,11 @@ namespace penumbra::nn::PENUMBRA_ISA {
 
 namespace {
 
-using Bytes = xsimd::batch<std::uint8_t, Architecture>;
-constexpr int kBytes = static_cast<int>(Bytes::size);
-
 struct Lower {
-  static Bytes of(const Bytes& a, const Bytes& b) { return xsimd::min(a, b); }
+  static Bytes of(const Bytes& a, const Bytes& b) { return min(a, b); }
 };
 struct Higher {
-  static Bytes of(const Bytes& a, const Bytes& b) { return xsimd::max(a, b); }
+  static Bytes of(const Bytes& a, const Bytes& b) { return max(a, b); }
 };
 
 // What the best arc of nine reaches with all of its pixels.
@@ -52,18 +49,18 @@ void score(const std::uint8_t* centre, const Circle& circle, const Bytes& thresh
   Bytes p[16];
   const auto load = [&](int i) { p[i] = Bytes::load_unaligned(centre + circle.offset[i]); };
   for (const int i : {0, 8, 4, 12}) load(i);
-  const Bytes bright_bound = xsimd::min(xsimd::max(p[0], p[8]), xsimd::max(p[4], p[12]));
-  const Bytes dark_bound = xsimd::max(xsimd::min(p[0], p[8]), xsimd::min(p[4], p[12]));
-  const Bytes bound = xsimd::max(xsimd::ssub(bright_bound, v), xsimd::ssub(v, dark_bound));
-  if (!xsimd::any(bound > threshold)) {
+  const Bytes bright_bound = min(max(p[0], p[8]), max(p[4], p[12]));
+  const Bytes dark_bound = max(min(p[0], p[8]), min(p[4], p[12]));
+  const Bytes bound = max(ssub(bright_bound, v), ssub(v, dark_bound));
+  if (!any(bound > threshold)) {
     Bytes(std::uint8_t{0}).store_unaligned(scores);
     return;
   }
   for (const int i : {1, 2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15}) load(i);
-  const Bytes bright = xsimd::ssub(best_arc<Lower, Higher>(p), v);
-  const Bytes dark = xsimd::ssub(v, best_arc<Higher, Lower>(p));
-  const Bytes difference = xsimd::max(bright, dark);
-  xsimd::select(difference > threshold, difference - Bytes(std::uint8_t{1}), Bytes(std::uint8_t{0}))
+  const Bytes bright = ssub(best_arc<Lower, Higher>(p), v);
+  const Bytes dark = ssub(v, best_arc<Higher, Lower>(p));
+  const Bytes difference = max(bright, dark);
+  select(difference > threshold, difference - Bytes(std::uint8_t{1}), Bytes(std::uint8_t{0}))
       .store_unaligned(scores);
 }
 

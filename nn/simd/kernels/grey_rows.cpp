@@ -1,9 +1,8 @@
 // Sobel's slopes summed over a row, and a row of colour made grey. A register of grey's part has 4 pixels in
 // each 128 bits; the 256-bit one holds the pixels from 0 on and those from 16 on side by side, so that
 // packing leaves them in order.
-#include <immintrin.h>
-
 #include "nn/simd/kernels/kernels.h"
+#include "nn/simd/kernels/sse.h"
 
 namespace penumbra::nn::PENUMBRA_ISA {
 

@@ -21,7 +21,7 @@ float dot(const MixedLevel& level, const float* f, int blocks) {
     }
   }
   for (int k = 1; k < kBlockVectors; ++k) sum[0] = sum[0] + sum[k];
-  return xsimd::hadd(sum[0]);
+  return hadd(sum[0]);
 }
 
 // lambda of a level, each as often as its pixel is repeated.

@@ -1,8 +1,7 @@
 // Sums of absolute differences of small patches, a row of 16-bit numbers at a time: those of a row's 16 that
 // are none of the patch's get the weight 0.
-#include <immintrin.h>
-
 #include "nn/simd/kernels/kernels.h"
+#include "nn/simd/kernels/sse.h"
 
 namespace penumbra::nn::PENUMBRA_ISA {
 

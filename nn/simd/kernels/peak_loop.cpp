@@ -20,8 +20,9 @@ double peak_loop(long iterations) {
   for (int i = 0; i < kSums; ++i) sum[i] = Vector(1.0F + static_cast<float>(i));
   Vector a(0.999F), b(1e-3F);
   for (long i = 0; i < iterations; ++i) {
-    // The compiler may not know a and b, else it would fold the loop away.
-    asm volatile("" : "+x"(a.data), "+x"(b.data));
+    // Else the compiler would fold the loop away.
+    forget(a);
+    forget(b);
 #pragma GCC unroll 12
     for (auto& s : sum) s = madd(s, a, b);
   }

@@ -1,8 +1,7 @@
 // Lucas-Kanade's window: its values and slopes, and how far another window is off; and rows of a halved
 // image. All in whole numbers, so that every instruction set has the same result.
-#include <immintrin.h>
-
 #include "nn/simd/kernels/kernels.h"
+#include "nn/simd/kernels/sse.h"
 
 namespace penumbra::nn::PENUMBRA_ISA {
 

@@ -1,10 +1,9 @@
 // A row of a remap. The four pixels of a sample are collected into one word, one after the other; the rest is
 // arithmetic on rows of words: two 16-bit sums lie side by side in a word, and neither reaches the other.
-#include <immintrin.h>
-
 #include <cstring>
 
 #include "nn/simd/kernels/kernels.h"
+#include "nn/simd/kernels/sse.h"
 
 namespace penumbra::nn::PENUMBRA_ISA {
 

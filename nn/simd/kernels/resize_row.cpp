@@ -1,7 +1,6 @@
 // The two halves of a bilinear resize of bytes: a row stretched, and two stretched rows mixed.
-#include <immintrin.h>
-
 #include "nn/simd/kernels/kernels.h"
+#include "nn/simd/kernels/sse.h"
 
 namespace penumbra::nn::PENUMBRA_ISA {
 

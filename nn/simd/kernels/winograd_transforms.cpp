@@ -110,7 +110,7 @@ void winograd_output(const WinogradOutputArguments& a) {
           Vector y = o[j] + bias;
           if (residual != nullptr) y += Vector::load_unaligned(residual + j * kBlockLanes);
           // In this order the instruction keeps a NaN of y.
-          xsimd::max(lower_bound, y).store_unaligned(out + j * kBlockLanes);
+          max(lower_bound, y).store_unaligned(out + j * kBlockLanes);
         }
       }
     }

@@ -29,6 +29,7 @@ struct Bf16 {
   using Group = __m512i;
   using Weights = __m512i;
   static constexpr int kGroup = 2;
+  static constexpr bool kPairs = false, kOwnSteps = false;
 
   __attribute__((always_inline)) static Vector zero() { return Vector(0.0F); }
   __attribute__((always_inline)) static __m512i load(const Element* w) { return _mm512_load_si512(w); }
@@ -48,6 +49,7 @@ struct Int8 {
   using Group = __m512i;
   using Weights = __m512i;
   static constexpr int kGroup = 4;
+  static constexpr bool kPairs = false, kOwnSteps = false;
 
   __attribute__((always_inline)) static __m512i zero() { return _mm512_setzero_si512(); }
   __attribute__((always_inline)) static __m512i load(const Element* w) { return _mm512_load_si512(w); }

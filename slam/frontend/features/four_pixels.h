@@ -2,7 +2,9 @@
 // step, on every processor that the program runs on; the sums are those of one pixel after the other.
 #pragma once
 
+#if defined(__x86_64__)
 #include <smmintrin.h>
+#endif
 
 #include <cstdint>
 #include <cstring>
@@ -12,12 +14,23 @@ namespace penumbra::slam {
 using Four [[gnu::vector_size(16)]] = float;
 
 inline Four load_four(const std::uint8_t* pixels) {
+#if defined(__x86_64__)
   std::int32_t bytes;
   std::memcpy(&bytes, pixels, sizeof bytes);
   return _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)));
+#else
+  using FourBytes [[gnu::vector_size(4)]] = std::uint8_t;
+  FourBytes bytes;
+  std::memcpy(&bytes, pixels, sizeof bytes);
+  return __builtin_convertvector(bytes, Four);
+#endif
 }
-inline Four load_four(const float* values) { return _mm_loadu_ps(values); }
-inline void store_four(float* to, const Four& values) { _mm_storeu_ps(to, values); }
+inline Four load_four(const float* values) {
+  Four four;
+  std::memcpy(&four, values, sizeof four);
+  return four;
+}
+inline void store_four(float* to, const Four& values) { std::memcpy(to, &values, sizeof values); }
 
 // A row of `width` in fours, the last of which begins earlier where they do not fill the row: 11 is 0, 4, 7.
 template <int width, typename Work>

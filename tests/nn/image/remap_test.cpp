@@ -57,6 +57,18 @@ ByteImage naive_linear(const ByteImage& in, const Table& table) {
   return out;
 }
 
+// Places that no whole number holds are far left, or far up, here. OpenCV leaves them to the processor: x86
+// does the same, ARM takes the nearest number, and 0 for NaN; there it is no oracle of them.
+bool oracle_knows(const Table& table, int u, int v) {
+#if defined(__x86_64__)
+  constexpr bool kAsHere = true;
+#else
+  constexpr bool kAsHere = false;
+#endif
+  const auto fits = [](float a) { return std::abs(a * 32.0F) < 2147483648.0F; };
+  return kAsHere || (fits(table.x.at(u, v)) && fits(table.y.at(u, v)));
+}
+
 TEST_P(RemapTest, LinearIsThatOfTheFormulaAndOfOpenCv) {
   for (const Size source : {Size{2, 2}, {40, 30}, {300, 100}}) {
     const Table table({313, 90}, source);
@@ -70,7 +82,14 @@ TEST_P(RemapTest, LinearIsThatOfTheFormulaAndOfOpenCv) {
         EXPECT_TRUE(test::same_pixels(out, naive_linear(image, table)));
         cv::Mat oracle;
         cv::remap(test::to_mat(image), oracle, places, weights, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-        EXPECT_TRUE(test::same_pixels(out, test::byte_image(oracle)));
+        ByteImage expected = test::byte_image(oracle);
+        for (int v = 0; v < out.height(); ++v) {
+          for (int u = 0; u < out.width(); ++u) {
+            if (oracle_knows(table, u, v)) continue;
+            for (int c = 0; c < channels; ++c) expected.at(u, v, c) = out.at(u, v, c);
+          }
+        }
+        EXPECT_TRUE(test::same_pixels(out, expected));
       }
     }
   }
@@ -94,7 +113,9 @@ TEST(Remap, NearestTakesThePixelsOfOpenCvAndNothingBeyondTheBorder) {
   int outside = 0;
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
-      ASSERT_EQ(out.at(x, y), oracle.at<std::uint16_t>(y, x)) << x << " " << y;
+      if (oracle_knows(table, x, y)) {
+        ASSERT_EQ(out.at(x, y), oracle.at<std::uint16_t>(y, x)) << x << " " << y;
+      }
       ASSERT_EQ(float_out.at(x, y), static_cast<float>(out.at(x, y)));
       outside += out.at(x, y) == 0;
     }

@@ -73,7 +73,7 @@ TEST(Activations, TheExponentialIsExactToTheLastBits) {
 TEST(Activations, FusedIntoAConvolutionTheyGiveTheSame) {
   std::mt19937 random(2);
   const Isa before = current_isa();
-  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+  for (const Isa isa : kKernelIsas) {
     if (!is_supported(isa)) continue;
     use_isa(isa);
     for (std::uint32_t trial = 0; trial < 50; ++trial) {

@@ -248,7 +248,7 @@ TEST_P(Conv2dTest, NotANumberIsNotHiddenByRelu) {
   EXPECT_TRUE(std::isnan(y.pixel(0, 0, 0, 0)[0]));
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryIsa, Conv2dTest, ::testing::Values(Isa::baseline, Isa::avx2, Isa::avx512),
+INSTANTIATE_TEST_SUITE_P(EveryIsa, Conv2dTest, ::testing::ValuesIn(kKernelIsas),
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
 TEST(Conv2d, WrongShapesAreInputErrors) {

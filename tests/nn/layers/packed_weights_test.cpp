@@ -19,8 +19,7 @@ struct Case {
 
 // Number g of the group that the weight of output o at tap t and channel c belongs to.
 std::ptrdiff_t place_of(const PackedWeights& packed, int o, int t, int c) {
-  const int group = channel_group(packed.format().precision),
-            first = o / packed.tile_channels() * packed.tile_channels();
+  const int group = packed.group(), first = o / packed.tile_channels() * packed.tile_channels();
   const WeightTile tile = packed.tile(o / packed.tile_channels());
   const std::ptrdiff_t k = std::ptrdiff_t{t} * packed.depth() + c;
   return (k / group * tile.channels + (o - first)) * group + k % group;
@@ -67,9 +66,10 @@ void check(const Case& shape, Precision precision) {
     if (precision != Precision::int8) {
       ASSERT_EQ(tile.bias[lane], start);
     } else {
+      const int zero = 3 - low_precision_kernels(precision).tile.input_offset;
       ASSERT_FLOAT_EQ(tile.scale[lane], 0.25F * largest / 127.0F);
       ASSERT_FLOAT_EQ(tile.bias[lane],
-                      start - static_cast<float>(static_cast<double>(tile.scale[lane]) * 3 * sum));
+                      start - static_cast<float>(static_cast<double>(tile.scale[lane]) * zero * sum));
     }
   }
 }

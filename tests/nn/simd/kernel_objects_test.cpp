@@ -43,9 +43,20 @@ int count(const std::string& text, const std::string& word) {
   return found;
 }
 
+#if defined(__x86_64__)
 const std::array kTargets{"penumbra_kernels_baseline", "penumbra_kernels_avx2",
                           "penumbra_kernels_avx512",   "penumbra_kernels_avx512_low",
                           "penumbra_kernels_amx",      "penumbra_kernels_amx_emulated"};
+#elif defined(__aarch64__)
+const std::array kTargets{"penumbra_kernels_baseline", "penumbra_kernels_neon", "penumbra_kernels_neon_dot",
+                          "penumbra_kernels_neon_bf16"};
+#else
+const std::array kTargets{"penumbra_kernels_baseline"};
+#endif
+
+std::string code_of(const std::string& path) {
+  return output_of("'" PENUMBRA_OBJDUMP "' -d --no-show-raw-insn " + path);
+}
 
 TEST(KernelObjects, DefineNoFunctionThatOtherFilesMightUse) {
   for (const std::string target : kTargets) {
@@ -62,16 +73,22 @@ TEST(KernelObjects, DefineNoFunctionThatOtherFilesMightUse) {
   }
 }
 
-TEST(KernelObjects, MultiplyAndAddInOneInstruction) {
-  const auto tile_code = [](const std::string& target) {
-    std::string code;
-    for (const std::string& path : objects(target)) {
-      if (path.find("register_tile") == std::string::npos && path.find("low_precision") == std::string::npos)
-        continue;
-      code += output_of("objdump -d --no-show-raw-insn " + path);
+// The code of a target's register tiles.
+std::string tile_code(const std::string& target) {
+  std::string code;
+  for (const std::string& path : objects(target)) {
+    for (const char* file : {"register_tile", "low_precision", "int8", "bf16.cpp"}) {
+      if (path.find(file) == std::string::npos) continue;
+      code += code_of(path);
+      break;
     }
-    return code;
-  };
+  }
+  return code;
+}
+
+#if defined(__x86_64__)
+
+TEST(KernelObjects, MultiplyAndAddInOneInstruction) {
   for (const std::string target : {"penumbra_kernels_avx2", "penumbra_kernels_avx512"}) {
     const std::string code = tile_code(target), vector = target.ends_with("512") ? "%zmm" : "%ymm";
     ASSERT_NE(code.find(vector), std::string::npos) << target;
@@ -86,14 +103,12 @@ TEST(KernelObjects, MultiplyAndAddInOneInstruction) {
 
 // Machines without a tile unit cannot run these kernels: at least the compiler must have left them whole.
 TEST(KernelObjects, UseTheTileUnitOrNot) {
-  const auto code_of = [](const std::string& target) {
+  const auto whole = [](const std::string& target) {
     std::string code;
-    for (const std::string& path : objects(target))
-      code += output_of("objdump -d --no-show-raw-insn " + path);
+    for (const std::string& path : objects(target)) code += code_of(path);
     return code;
   };
-  const std::string real = code_of("penumbra_kernels_amx"),
-                    emulated = code_of("penumbra_kernels_amx_emulated");
+  const std::string real = whole("penumbra_kernels_amx"), emulated = whole("penumbra_kernels_amx_emulated");
   // Four shapes of blocks in each kind of numbers: of one or two segments by 16 or 32 outputs.
   EXPECT_GE(count(real, "tdpbf16ps"), 9);
   EXPECT_GE(count(real, "tdpbusd"), 9);
@@ -104,6 +119,33 @@ TEST(KernelObjects, UseTheTileUnitOrNot) {
   for (const char* word : {"tdpb", "tileloadd", "ldtilecfg", "%zmm"})
     EXPECT_EQ(count(emulated, word), 0) << word;
 }
+
+#elif defined(__aarch64__)
+
+// Instructions that move a vector register to or from the stack.
+int spills(const std::string& code) {
+  int found = 0;
+  for (std::size_t at = code.find("[sp"); at != std::string::npos; at = code.find("[sp", at + 1)) {
+    const std::size_t line = code.rfind('\n', at);
+    if (code.substr(line, at - line).find("\tq") != std::string::npos) ++found;
+  }
+  return found;
+}
+
+TEST(KernelObjects, MultiplyAndAddInOneInstruction) {
+  const std::string code = tile_code("penumbra_kernels_neon");
+  EXPECT_GT(count(code, "fmla"), 400);
+  EXPECT_EQ(count(code, "fmul"), 0);
+  const std::string dot = tile_code("penumbra_kernels_neon_dot");
+  EXPECT_GT(count(dot, "sdot"), 400);
+  const std::string bf16 = tile_code("penumbra_kernels_neon_bf16");
+  EXPECT_GT(count(bf16, "bfmmla"), 400);
+  EXPECT_GT(count(bf16, "smmla"), 400);
+  // Sums and inputs stay in registers: nothing goes to the stack and back.
+  for (const std::string& tile : {code, dot, bf16}) EXPECT_EQ(spills(tile), 0);
+}
+
+#endif
 
 }  // namespace
 }  // namespace penumbra::nn

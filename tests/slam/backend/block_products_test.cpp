@@ -28,7 +28,7 @@ TEST(BlockProducts, AreThoseOfEigenOnEveryProcessor) {
     }
     std::vector<Eigen::MatrixXd> ours;
     for (const bool avx : {false, true}) {
-      if (avx && __builtin_cpu_supports("avx") == 0) continue;
+      if (avx && !has_avx()) continue;
       ours.push_back(start);
       subtract_products({ours.back().data(), 6 * kPoses}, a, Y, W.data(), slots, avx);
       EXPECT_LE((ours.back() - naive).norm(), 1e-12 * (1.0 + naive.norm()));
