@@ -7,7 +7,9 @@
 #include <cstring>
 #include <fstream>
 #include <numeric>
+#include <vector>
 
+#include "nn/base/half.h"
 #include "nn/evaluation/coco_rle.h"
 #include "nn/io/safetensors.h"
 #include "nn/layers/anchor_generator.h"
@@ -17,8 +19,10 @@
 #include "nn/layers/conv2d.h"
 #include "nn/layers/mask_paste.h"
 #include "nn/layers/nms.h"
+#include "nn/layers/packed_weights.h"
 #include "nn/layers/roi_align.h"
 #include "nn/layers/spatial_attention.h"
+#include "nn/simd/low_precision.h"
 #include "nn/simd/tile_unit.h"
 #include "nn/tensor/memory_plan.h"
 #include "tests/support/test_data.h"
@@ -46,6 +50,41 @@ TEST(EngineChapters, Tensors) {
   EXPECT_EQ(map.block_stride(), 560);
   EXPECT_EQ(map.image_stride(), 1120);
   EXPECT_EQ(map.pixel(0, 18 / kBlock, 1, 2) + 18 % kBlock - map.pixel(0, 0, -1, -1), 834);
+}
+
+// arm.md: two pixels of four channels (and four of 0) by two outputs, in the register tile of each kind of
+// numbers.
+TEST(EngineChapters, Arm) {
+  constexpr int kDepth = 8, kPixelStride = 16;
+  alignas(64) constexpr float kPixels[2 * kPixelStride] = {1, 2, 3, 4, 0, 0, 0, 0, 0, 0,
+                                                           0, 0, 0, 0, 0, 0, 5, 6, 7, 8};
+  constexpr float kOutputs[2 * kDepth] = {1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 2, 0};
+  WeightSource source{kOutputs, kDepth, {}};
+  for (int c = 0; c < kDepth; ++c) source.offsets.push_back(c);
+  for (const Precision precision : {Precision::f32, Precision::bf16}) {
+    if (!is_supported(precision) || (precision == Precision::bf16 && tile_unit() != nullptr)) continue;
+    NumberFormat format;
+    format.precision = precision;
+    const PackedWeights weights(2, 1, kDepth, source, {}, format);
+    alignas(64) std::uint16_t rounded[2 * kPixelStride];
+    for (int i = 0; i < 2 * kPixelStride; ++i) rounded[i] = f32_to_bf16(kPixels[i]);
+    const std::ptrdiff_t tap = 0;
+    float sums[2][2 * kBlock] = {};
+    TileArguments a;
+    weights.prepare(weights.tile(0), 0, 1, a);
+    a.taps = &tap;
+    a.input = kPixels;
+    if (precision == Precision::bf16) a.input = rounded;
+    a.input_pixel_stride = kPixelStride;
+    a.output = sums[0];
+    a.output_pixel_stride = 2 * kBlock;
+    a.output_block_stride = kBlock;
+    weights.kernel(weights.tile(0), 2)(a);
+    EXPECT_EQ(std::vector<float>({sums[0][0], sums[0][1]}), std::vector<float>({5, 8}))
+        << to_string(precision);
+    EXPECT_EQ(std::vector<float>({sums[1][0], sums[1][1]}), std::vector<float>({13, 20}))
+        << to_string(precision);
+  }
 }
 
 #if defined(__x86_64__)
