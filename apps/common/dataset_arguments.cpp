@@ -49,9 +49,9 @@ void add_recording_arguments(CLI::App& command, DatasetArguments& arguments) {
   command.add_option("--right-info-topic", topics.right_info, "bags: the right camera's, or the depth's")
       ->type_name("TOPIC");
   command
-      .add_option(
-          "--camera", arguments.camera,
-          "a calibration.yaml (docs/datasets.md): of a stream, or of a bag in place of what it says of its cameras")
+      .add_option("--camera", arguments.camera,
+                  "a calibration.yaml (docs/datasets.md): of a stream, or of a bag in place of what it says "
+                  "of its cameras")
       ->check(CLI::ExistingFile)
       ->type_name("FILE");
 }

@@ -54,8 +54,9 @@ void add_slam_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("slam", "Estimate the camera's path and a map from a stereo or RGB-D sequence");
   command->footer(kSlamExamples);
-  add_dataset_arguments(*command, options->dataset,
-                        "folder of the sequence, a recording: .bag, .mcap, .db3, or - for a stream on standard input");
+  add_dataset_arguments(
+      *command, options->dataset,
+      "folder of the sequence, a recording: .bag, .mcap, .db3, or - for a stream on standard input");
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   add_recording_arguments(*command, options->dataset);
   command->add_option("--layout", options->layout, "of a stream: how the left and the right image lie in one")

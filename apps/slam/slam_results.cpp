@@ -110,7 +110,11 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
     writer.draw(
         [&] { slam::write_plot(out / "trajectory.svg", slam::draw_trajectories(estimate, truth, plot)); });
   }
-  writer.draw([&] { write_keyframe_gallery(out / "gallery", dataset, record); });
+  if (dataset.size() > 0) {
+    writer.draw([&] { write_keyframe_gallery(out / "gallery", dataset, record); });
+  } else {  // a stream, whose frames are gone
+    writer.draw([&] { clear_keyframe_gallery(out / "gallery"); });
+  }
   writer.throw_failures();
   std::error_code none;
   if (!places.save_map.empty()) std::filesystem::remove(checkpoint_of(places.save_map), none);

@@ -92,20 +92,50 @@ class Tie {
     return std::any_of(a.covisibles.begin(), a.covisibles.end(),
                        [&](const Covisible& c) { return c.keyframe == &b; });
   }
-  std::optional<VerifiedPlace> recognise(const KeyFrame& keyframe) const {
+  // What of the keyframes that are not excluded shows the same place, by appearance and geometry.
+  std::vector<VerifiedPlace> verified(const KeyFrame& keyframe,
+                                      const std::function<bool(const KeyFrame&)>& excluded) const {
     const Constellation objects = constellation_around(keyframe, settings_.verifier.constellation.neighbours);
-    const auto own = [&](const KeyFrame& other) { return is_own(other); };
-    std::optional<VerifiedPlace> best;
-    for (const PlaceCandidate& candidate : index_.query(keyframe.view(), settings_.candidates, own)) {
+    std::vector<VerifiedPlace> places;
+    for (const PlaceCandidate& candidate : index_.query(keyframe.view(), settings_.candidates, excluded)) {
       std::optional<VerifiedPlace> place =
           verify_place(map_, keyframe.view(), candidate.keyframe, static_cast<std::uint64_t>(keyframe.id),
                        settings_.verifier, objects);
-      if (!place || (best && place->inliers <= best->inliers)) continue;
-      place->keyframe =
-          nearest_keyframe(*place, settings_.largest_distance, settings_.largest_turn,
-                           [&](const KeyFrame& k) { return !is_own(k) && !are_tied(keyframe, k); });
-      if (place->keyframe != nullptr && drift_explains(keyframe, *place)) best = std::move(place);
+      if (place) places.push_back(std::move(*place));
     }
+    return places;
+  }
+  bool are_one_place(const SE3& a, const SE3& b) const {
+    return (centre(a) - centre(b)).norm() <= settings_.largest_distance;
+  }
+  // Equal houses along a street: a view that its own map shows elsewhere, too, proves nothing.
+  bool is_ambiguous_at_home(const KeyFrame& keyframe) const {
+    const auto excluded = [&](const KeyFrame& other) {
+      return !is_own(other) || other.id == keyframe.id || are_tied(keyframe, other);
+    };
+    const std::vector<VerifiedPlace> places = verified(keyframe, excluded);
+    return std::any_of(places.begin(), places.end(),
+                       [&](const VerifiedPlace& place) { return !are_one_place(place.T_cw, keyframe.T_cw); });
+  }
+  std::optional<VerifiedPlace> recognise(const KeyFrame& keyframe) const {
+    std::vector<VerifiedPlace> places =
+        verified(keyframe, [&](const KeyFrame& other) { return is_own(other); });
+    std::optional<VerifiedPlace> best;
+    for (VerifiedPlace& place : places) {
+      // Two places of one piece, and nothing to tell which it is.
+      for (const VerifiedPlace& other : places) {
+        if (other.keyframe->submap == place.keyframe->submap && !are_one_place(other.T_cw, place.T_cw))
+          return {};
+      }
+      if (best && place.inliers <= best->inliers) continue;
+      KeyFrame* const nearest =
+          nearest_keyframe(place, settings_.largest_distance, settings_.largest_turn,
+                           [&](const KeyFrame& k) { return !is_own(k) && !are_tied(keyframe, k); });
+      if (nearest == nullptr || !drift_explains(keyframe, place)) continue;
+      best = place;
+      best->keyframe = nearest;
+    }
+    if (best && is_ambiguous_at_home(keyframe)) return {};
     return best;
   }
   // Between pieces nothing is known; within one no more than the way since the last tie can have added.
@@ -217,6 +247,7 @@ MergedMaps merge_maps(const std::vector<std::unique_ptr<Map>>& maps, const MapMe
                                       [&](const KeyFrame* keyframe) { return keyframe->submap == submap; });
     if (is_there) adjust(map, submap, settings.adjustment);
   }
+  map.collect_erased();
   merged.parts.resize(maps.size());
   std::set<int> pieces;
   for (const KeyFrame* keyframe : map.keyframes()) pieces.insert(keyframe->submap);

@@ -4,6 +4,7 @@
 //   append all maps as pieces of their own (sub-maps, slam/map/keyframe.h) and index their keyframes
 //   for each keyframe of each map:
 //     places of other maps that look alike          (place_index.h), verified by geometry (place_verifier.h)
+//       one place alone: neither the other map nor its own shows the same view elsewhere
 //     several keyframes agree on where that is?     (place_sightings.h)
 //     -> the younger piece moves to the older one as a whole, or, where both are one piece already, the map
 //     is

@@ -18,6 +18,10 @@ class MapMerger : public ::testing::Test {
  protected:
   // The map of the ring road from one place to another, in a world of its own: the first camera's.
   std::filesystem::path drive(const std::string& name, double from, double to) {
+    return drive(name, from, to, world);
+  }
+  std::filesystem::path drive(const std::string& name, double from, double to,
+                              const test::FeatureWorld& world) {
     SlamSettings settings;
     settings.deterministic = true;
     test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
@@ -90,7 +94,7 @@ TEST_F(MapMerger, OneThatOverlapsBothTiesTwoThatDoNot) {
 }
 
 TEST_F(MapMerger, DrivesThatShareNothingStayApart) {
-  const auto maps = read({drive("a.map", 0.0, 40.0), drive("b.map", 90.0, 130.0)});
+  const auto maps = read({drive("a.map", 0.0, 40.0), drive("b.map", 0.0, 40.0, test::FeatureWorld(2))});
   const MergedMaps merged = merge_maps(maps, {});
   EXPECT_EQ(merged.pieces, 2);
   for (const MergedPart& part : merged.parts) {
