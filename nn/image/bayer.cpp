@@ -1,13 +1,8 @@
 #include "nn/image/bayer.h"
 
+#include "nn/image/border.h"
+
 namespace penumbra {
-
-namespace {
-
-// The pixel at the other side of the border, of the same place in the mosaic.
-int mirrored(int i, int length) { return i < 0 ? -i : i >= length ? 2 * length - 2 - i : i; }
-
-}  // namespace
 
 ByteImage demosaic(const ByteView& mosaic, BayerPattern pattern) {
   // Where red stands in the mosaic's 2 x 2 pixels; blue is across from it.

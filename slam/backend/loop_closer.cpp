@@ -6,11 +6,11 @@
 #include <set>
 #include <shared_mutex>
 
+#include "slam/backend/camera_centre.h"
+
 namespace penumbra::slam {
 
 namespace {
-
-Eigen::Vector3d centre(const SE3& T_cw) { return T_cw.inverse().translation; }
 
 // The keyframe, those covisible with it, and those covisible with these.
 std::set<int> ids_around(const KeyFrame& keyframe) {
@@ -64,7 +64,7 @@ void LoopCloser::measure_way(const KeyFrame* newest) {
   if (travelled_.size() <= id) travelled_.resize(id + 1, 0.0);
   if (last_keyframe_ != nullptr) {
     travelled_[id] = travelled_[static_cast<std::size_t>(last_keyframe_->id)] +
-                     (centre(newest->T_cw) - centre(current_pose(*last_keyframe_))).norm();
+                     (camera_centre(newest->T_cw) - camera_centre(current_pose(*last_keyframe_))).norm();
   }
   last_keyframe_ = newest;
 }
@@ -115,7 +115,7 @@ bool LoopCloser::drift_explains(const KeyFrame& keyframe, const VerifiedPlace& p
   if (keyframe.submap != place.keyframe->submap) return true;
   const double way = travelled_[static_cast<std::size_t>(keyframe.id)] -
                      travelled_[static_cast<std::size_t>(place.keyframe->id)];
-  const double moved = (centre(keyframe.T_cw) - centre(place.T_cw)).norm();
+  const double moved = (camera_centre(keyframe.T_cw) - camera_centre(place.T_cw)).norm();
   return moved <= settings_.drift_metres + settings_.drift_share * std::max(way, 0.0);
 }
 
@@ -126,7 +126,7 @@ void LoopCloser::close(KeyFrame* keyframe, const VerifiedPlace& place) {
   loop.inliers = place.inliers;
   loop.objects = place.objects;
   loop.of_loaded_map = place.keyframe->id < first_own_;
-  loop.correction_metres = (centre(keyframe->T_cw) - centre(place.T_cw)).norm();
+  loop.correction_metres = (camera_centre(keyframe->T_cw) - camera_centre(place.T_cw)).norm();
   const MapCorrection correction = correct_map(map_, keyframe, place, edges_, settings_.correction);
   loop.merged_submaps = correction.merged_submaps;
   edges_.push_back({keyframe, place.keyframe, place.inliers});

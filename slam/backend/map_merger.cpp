@@ -7,6 +7,8 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "slam/backend/camera_centre.h"
+
 namespace penumbra::slam {
 
 namespace {
@@ -42,8 +44,6 @@ struct Appended {
   int ties = 0;
 };
 
-Eigen::Vector3d centre(const SE3& T_cw) { return T_cw.inverse().translation; }
-
 const KeyFrame& standing(const KeyFrame& keyframe) {
   const KeyFrame* k = &keyframe;
   while (k->erased) k = k->stand_in;
@@ -67,7 +67,8 @@ class Tie {
   }
   // Whether the map was corrected.
   bool add(KeyFrame* keyframe) {
-    if (before_ != nullptr) way_ += (centre(keyframe->T_cw) - centre(current_pose(*before_))).norm();
+    if (before_ != nullptr)
+      way_ += (camera_centre(keyframe->T_cw) - camera_centre(current_pose(*before_))).norm();
     before_ = keyframe;
     sightings_.forget_before(*keyframe);
     const std::optional<VerifiedPlace> place = recognise(*keyframe);
@@ -106,7 +107,7 @@ class Tie {
     return places;
   }
   bool are_one_place(const SE3& a, const SE3& b) const {
-    return (centre(a) - centre(b)).norm() <= settings_.largest_distance;
+    return (camera_centre(a) - camera_centre(b)).norm() <= settings_.largest_distance;
   }
   // Equal houses along a street: a view that its own map shows elsewhere, too, proves nothing.
   bool is_ambiguous_at_home(const KeyFrame& keyframe) const {
@@ -141,7 +142,7 @@ class Tie {
   // Between pieces nothing is known; within one no more than the way since the last tie can have added.
   bool drift_explains(const KeyFrame& keyframe, const VerifiedPlace& place) const {
     if (keyframe.submap != place.keyframe->submap) return true;
-    return (centre(keyframe.T_cw) - centre(place.T_cw)).norm() <=
+    return (camera_centre(keyframe.T_cw) - camera_centre(place.T_cw)).norm() <=
            settings_.drift_metres + settings_.drift_share * way_;
   }
 

@@ -2,13 +2,9 @@
 
 #include <cmath>
 
+#include "slam/backend/camera_centre.h"
+
 namespace penumbra::slam {
-
-namespace {
-
-Eigen::Vector3d centre(const SE3& T_cw) { return T_cw.inverse().translation; }
-
-}  // namespace
 
 void PlaceSightings::forget_before(const KeyFrame& newest) {
   while (!sightings_.empty() && newest.id - sightings_.front().keyframe->id >= settings_.window)
@@ -26,7 +22,7 @@ bool PlaceSightings::agree(const PlaceSighting& a, const PlaceSighting& b) const
 
 // A turn about the direction of view shows the same points, so it does not count.
 bool PlaceSightings::are_independent(const PlaceSighting& a, const PlaceSighting& b) const {
-  const double way = (centre(a.T_cw) - centre(b.T_cw)).norm();
+  const double way = (camera_centre(a.T_cw) - camera_centre(b.T_cw)).norm();
   const double cosine = a.T_cw.rotation.row(2).dot(b.T_cw.rotation.row(2));
   return way >= settings_.least_motion_baselines * baseline_ || cosine <= std::cos(settings_.least_turn);
 }

@@ -150,10 +150,7 @@ RecordedCamera stereo_camera(const SaidCamera& left, const SaidCamera& right, bo
   if (names_say_rectified || (has_nothing_to_rectify(left.info) && has_nothing_to_rectify(right.info)))
     return camera_of_P(left, right);
   const double baseline = baseline_of(left, right);
-  const Eigen::Matrix3d R_left = rotation_of(left), R_right = rotation_of(right);
-  SE3 T_right_left;
-  T_right_left.rotation = R_right.transpose() * R_left;
-  T_right_left.translation = R_right.transpose() * Eigen::Vector3d(-baseline, 0.0, 0.0);
+  SE3 T_right_left = motion_of_rectified(rotation_of(left), rotation_of(right), baseline);
   T_right_left.normalize();
   CameraFile file;
   file.rectified = false;

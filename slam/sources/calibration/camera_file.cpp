@@ -129,6 +129,10 @@ SE3 rigid_motion(const std::vector<double>& R, const std::vector<double>& t, con
                       place);
 }
 
+SE3 motion_of_rectified(const Eigen::Matrix3d& R_left, const Eigen::Matrix3d& R_right, double baseline) {
+  return {R_right.transpose() * R_left, R_right.transpose() * Eigen::Vector3d(-baseline, 0.0, 0.0)};
+}
+
 void take_for_rgbd(CameraFile& file, const std::string& place) {
   file.sensor = Sensor::rgbd;
   file.baseline = kNominalBaseline;

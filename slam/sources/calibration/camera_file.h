@@ -49,6 +49,9 @@ RecordedCamera make_camera(const CameraFile& file);
 SE3 rigid_motion(const std::vector<double>& rows, const std::string& place);
 SE3 rigid_motion(const std::vector<double>& rotation, const std::vector<double>& translation,
                  const std::string& place);
+// T_right_left of two raw cameras by what rectifies them: the rotation of each into the rectified frame, and
+// how far the right one is along the rows, metres.
+SE3 motion_of_rectified(const Eigen::Matrix3d& R_left, const Eigen::Matrix3d& R_right, double baseline);
 SE3 read_transform(const YamlFile& yaml, const std::string& key);
 
 }  // namespace penumbra::slam

@@ -66,8 +66,7 @@ void read_orb_slam2(const YamlFile& yaml, CameraFile& file) {
     file.rectified = false;
     file.left = left.lens;
     file.right = right.lens;
-    file.T_right_left.rotation = right.R.transpose() * left.R;
-    file.T_right_left.translation = right.R.transpose() * Eigen::Vector3d(left.base - right.base, 0.0, 0.0);
+    file.T_right_left = motion_of_rectified(left.R, right.R, right.base - left.base);
     return;
   }
   file.left = read_orb_lens(yaml, "Camera.", "pinhole");

@@ -63,9 +63,7 @@ CameraFile read_camera_info_pair(const YamlFile& left, const YamlFile& right) {
     throw InputError(file.place, "a projection matrix with -fx baseline in place 4 (the right camera's)",
                      fmt::format("a baseline of {:g} m; are left and right exchanged?", base));
   }
-  const Eigen::Matrix3d R_left = read_rectification(left), R_right = read_rectification(right);
-  file.T_right_left.rotation = R_right.transpose() * R_left;
-  file.T_right_left.translation = R_right.transpose() * Eigen::Vector3d(-base, 0.0, 0.0);
+  file.T_right_left = motion_of_rectified(read_rectification(left), read_rectification(right), base);
   return file;
 }
 
