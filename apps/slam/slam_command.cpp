@@ -125,7 +125,7 @@ void add_slam_command(CLI::App& app) {
   command
       ->add_option("--static-points", options->static_points,
                    "which points on what can move stand still and are used: none, by the paper's thresholds, "
-                   "or by the points' own uncertainty (default with --dynamics static-points)")
+                   "or by the points' own uncertainty (default with --dynamics static-points: paper)")
       ->check(CLI::IsMember({"off", "paper", "adaptive"}))
       ->type_name("TEXT:{off,paper,adaptive}");
   command

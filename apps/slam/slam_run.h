@@ -23,7 +23,7 @@ struct SlamOptions {
   std::string filter = "adaptive", loops = "on", constellation = "on", self_calibration = "on";
   std::string segmentation = "keyframes", dynamics = "masks", moving = "geometry", movers = "on";
   std::string repair = "modes", clusters = "grown", consistency = "on";  // of --dynamics depth-clusters
-  std::string foreground = "adaptive", static_points = "off";            // of --dynamics static-points
+  std::string foreground = "paper", static_points = "off";               // of --dynamics static-points
   std::string view;                                                      // port, or kAnyViewPort; empty: none
   std::string layout = "side-by-side";  // of a stream: how two images lie in one
   bool every_frame = false;             // of a stream: it waits, and no frame is dropped
