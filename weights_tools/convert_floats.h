@@ -21,11 +21,9 @@ struct FloatConversion {
 //
 // What f16 would falsify becomes f32 instead:
 //   - the vectors of a batch norm (those beside a "running_var"): a dead channel's variance of 1e-9 would
-//   become
-//     0, by whose root its weights are divided
+//     become 0, by whose root its weights are divided
 //   - a tensor with a value beyond f16's range, or with a row (an output channel) of which every value that
-//   is
-//     not 0 is below f16's normal range: such rows are as small as the variance of their channel
+//     is not 0 is below f16's normal range: such rows are as small as the variance of their channel
 //
 // Throws InputError where a finite f64 lies beyond the range of f32.
 FloatConversion convert_floats(const nn::StateDict& state, nn::DataType type);

@@ -2,8 +2,7 @@
 //
 //   out(x, y) = ( sum_j sum_i w_i w_j in(x + i, y + j) + 32768 ) / 65536,   -3 <= i, j <= 3
 //   w = 18 34 48 56 48 34 18 (of 256): exp(-i^2 / 8), rounded from the outside in, each with what the last
-//   one
-//       was off, so that the sum is 256
+//       one was off, so that the sum is 256
 //
 // Borders are mirrored about the outermost pixels. The products are summed exactly and rounded once, halves
 // up: the result is that of cv::GaussianBlur(7 x 7, 2, BORDER_REFLECT_101), bit by bit, on every instruction

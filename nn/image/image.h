@@ -1,7 +1,7 @@
 // Images in memory: rows of pixels, a pixel being 1 or more channels side by side.
 //
-//   element (x, y, c) = data[y * pitch + x * channels + c]        pitch in elements, at least width *
-//   channels
+//   element (x, y, c) = data[y * pitch + x * channels + c]        pitch in elements,
+//                                                                at least width * channels
 //
 // `ImageView` looks at pixels that somebody else keeps: the whole of an image, a rectangle of it, a caller's
 // buffer. `Image` keeps them. A copy of an Image shares its pixels, as a std::shared_ptr does; clone() does

@@ -5,8 +5,8 @@
 // linear: between the 2 x 2 pixels around (x, y), those beyond the border being the outermost ones, 8 bits a
 // channel, in fixed point (weights in 2048ths):
 //
-//   row = (left w0 + right w1) / 16,   out = ( row0 v0 / 65536 + row1 v1 / 65536 + 2 ) / 4,  each rounded
-//   down
+//   row = (left w0 + right w1) / 16,   out = ( row0 v0 / 65536 + row1 v1 / 65536 + 2 ) / 4,
+//   each rounded down
 //
 // the bits of cv::resize(INTER_LINEAR). nearest: the pixel floor(u width / new_width), as
 // cv::resize(INTER_NEAREST). area: the mean of what an output pixel covers, for making images smaller; it

@@ -3,8 +3,7 @@
 //   scale  = min( min_size / min(H, W), max_size / max(H, W) )           in f32, quotients as a (1 / b)
 //   H' = floor(H scale), W' = floor(W scale)
 //   x  = (rgb / 255 - mean) / std, resized to H' x W' (bilinear, align_corners false), padded with zeros at
-//   the
-//        right and at the bottom to a multiple of `divisor`
+//        the right and at the bottom to a multiple of `divisor`
 //
 // Cost: 4 reads of the image a pixel of the output; one pass.
 // Source: torchvision.models.detection.transform.GeneralizedRCNNTransform.

@@ -12,11 +12,9 @@
 // not); then one of
 //   winograd.h            3 x 3 of stride 1, where it pays
 //   tile_convolution.h    everything in bf16 or 8 bits, on a processor with a tile unit: the maps that it
-//   reads
-//                         and writes may be narrow, too (others are converted)
+//                         reads and writes may be narrow, too (others are converted)
 //   direct_convolution.h  everything else, on the register tile; where the output is one pixel an image
-//   (fully
-//                         connected layers), the images take the place of the pixels
+//                         (fully connected layers), the images take the place of the pixels
 //   narrow_groups.h       groups that are no whole blocks of 16 channels
 // The result does not depend on the number of threads.
 // Source: torch.nn.Conv2d (cross-correlation); reference/convolution.cpp is the oracle.

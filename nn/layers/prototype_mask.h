@@ -1,8 +1,8 @@
 // An instance's mask as a weighted sum of prototype masks, cut out of the image by the instance's box.
 //
 //   q(i, j) = sigmoid( sum_k w_k P_k(i, j) )      probability at a prototype's pixel
-//   m(x, y) = q at (s_y (y + 1/2) + t - 1/2, s_x (x + 1/2) + l - 1/2) > threshold, for pixels (x, y) of the
-//   box
+//   m(x, y) = q at (s_y (y + 1/2) + t - 1/2, s_x (x + 1/2) + l - 1/2) > threshold,
+//   for pixels (x, y) of the box
 //
 // q is interpolated bilinearly, its edge pixels repeated outside. (s_x, s_y) are prototype pixels per image
 // pixel, (l, t) is the image's upper left corner on the prototypes, in their pixels. A pixel belongs to the

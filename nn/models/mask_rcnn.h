@@ -1,7 +1,7 @@
 // Mask R-CNN with a ResNet FPN backbone, baseline or with mixed attention: image in, object instances out.
 //
-//   image -> transform -> ResNet (C2..C5) -> FPN (P2..P6) -> RPN -> box head -> mask head -> masks on the
-//   image
+//   image -> transform -> ResNet (C2..C5) -> FPN (P2..P6) -> RPN -> box head -> mask head
+//         -> masks on the image
 //
 // The weights decide the number of classes, the ResNet's depth and width, the pyramid's channels and whether
 // it has attention. Defaults are those of torchvision's maskrcnn_resnet50_fpn, whose results it reproduces.

@@ -1,8 +1,8 @@
 // The building blocks of YOLOv5 (releases 6 and 7), named as in its state dicts.
 //
 //   Conv(x)   = silu(W * x + b)         k x k, stride s, padding k / 2; batch norm (eps 1e-3, or the
-//   metadata's) folded C3(x)     = cv3([ m(cv1(x)) ; cv2(x) ])       1 x 1 convolutions; half of the outputs
-//   each side
+//                                       metadata's) folded
+//   C3(x)     = cv3([ m(cv1(x)) ; cv2(x) ])       1 x 1 convolutions; half of the outputs each side
 //     m       = n residual blocks  r(x) = x + cv2(cv1(x)),  1 x 1 then 3 x 3; without "x +" in the neck
 //   with attention (AFNET, docs/papers.md B.1)  r(x) = x + H(cv2(cv1(x))): leaky_relu of slope 0.1 for silu,
 //     H coordinate attention, whose squeezed map has max(8, C / 32) channels

@@ -1,7 +1,7 @@
 // How large a YOLOv5 is: one description, scaled in width and depth.
 //
-//   channels of stage k = 8 ceil(width 64 2^k / 8),  k = 0..4;    repetitions of a C3 = max(round(depth n),
-//   1)
+//   channels of stage k = 8 ceil(width 64 2^k / 8),  k = 0..4
+//   repetitions of a C3 = max(round(depth n), 1)
 //
 //   model   n     s     m     l    x        n = 3 6 9 3 in the backbone, 3 in the neck
 //   depth  1/3   1/3   2/3    1   4/3

@@ -138,8 +138,8 @@ struct MixRowArguments {
 };
 
 // What one pixel, the query, takes from all pixels of a map; see nn/layers/self_attention.h.
-//   scores[i] = exp(sum_d query[d] keys[d][i] - top) / sum;   output[c] += factor sum_i scores[i] values[c,
-//   i]
+//   scores[i] = exp(sum_d query[d] keys[d][i] - top) / sum
+//   output[c] += factor sum_i scores[i] values[c, i]
 // `key_stride` is a multiple of 16 and at least `pixels`; keys beyond `pixels` do not matter but are numbers.
 struct AttendArguments {
   const float* keys = nullptr;  // [depth][key_stride]

@@ -7,8 +7,7 @@
 //       one place alone: neither the other map nor its own shows the same view elsewhere
 //     several keyframes agree on where that is?     (place_sightings.h)
 //     -> the younger piece moves to the older one as a whole, or, where both are one piece already, the map
-//     is
-//        corrected as at a loop; points that are the same are fused   (map_correction.h)
+//        is corrected as at a loop; points that are the same are fused   (map_correction.h)
 //   adjust each piece that grew as a whole          (full_bundle_adjustment.h)
 //
 // Nothing is known beforehand of where maps are relative to each other, so that proof is geometry alone. A

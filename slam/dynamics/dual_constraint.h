@@ -14,8 +14,8 @@
 //
 // Mode `adaptive`: the same three figures, each in units of its own uncertainty,
 //
-//   D^2 / var(D) > q1,   dS^T cov(dS)^-1 dS > q2,   Delta_z^2 / var(Delta_z) > q1,   or the sum of the last
-//   two > q3
+//   D^2 / var(D) > q1,   dS^T cov(dS)^-1 dS > q2,   Delta_z^2 / var(Delta_z) > q1,
+//   or the sum of the last two > q3
 //
 // with q_k the 99 % quantiles of chi-square (q3: 95 %), and covariances of the pixels by pyramid level and of
 // depths as they are measured (1/z has an even error, so sigma_z ~ z^2), propagated from K to C, plus what

@@ -3,8 +3,7 @@
 //   D_k = X_k(t) - X_k(t_k)            stereo positions of point k now and when it was first seen, metres
 //   S_k = cov X_k(t) + cov X_k(t_k),   cov X = J diag(s^2, s^2, s_d^2) J^T,   J = d(X, Y, Z) / d(u, v, d)
 //   v   = argmin sum rho( (D_k - v dt_k)^T S_k^-1 (D_k - v dt_k) )            Huber, reweighted least
-//   squares;
-//                                                                   the last rounds take inliers only
+//                                                            squares; the last rounds take inliers only
 //   P   = (sum w dt_k^2 S_k^-1)^-1 + (c / dt)^2 I            c: what the camera's own pose may be wrong by
 //
 // The evidence compares two models of the velocity, one that stands up to a slack of s_still and one that may

@@ -2,13 +2,11 @@
 //
 //   error          per voxel of the map its distance to the nearest place of a standing surface that was seen
 //   completeness   share of the voxels of standing surfaces, of what the depth sensor measured, that have a
-//   voxel of
-//                  the map within `near`
+//                  voxel of the map within `near`
 //   ghosts         share of the map's voxels that lie within `ghost` of a surface of somebody or something
-//   that
-//                  moved, at any time of the recording, also while it stood, and farther than 2 `ghost` from
-//                  everything that stands. `people`: of those the voxels of people; the rest are chairs that
-//                  were pushed, boxes that were carried
+//                  that moved, at any time of the recording, also while it stood, and farther than 2 `ghost`
+//                  from everything that stands. `people`: of those the voxels of people; the rest are chairs
+//                  that were pushed, boxes that were carried
 //
 // The truth is kept as voxels, too; distances are to the mean places in them.
 #pragma once

@@ -10,9 +10,8 @@
 //                              / loops closed
 //   recall of the regions    = regions in which such a loop was closed / regions
 //   recall of the keyframes  = revisits among the keyframes that the finished map ties to an earlier visit
-//   (they
-//                              share points with a keyframe at least fewest_frames_apart before) / revisits
-//                              among the keyframes
+//                              (they share points with a keyframe at least fewest_frames_apart before)
+//                              / revisits among the keyframes
 //
 // The last says whether the map knows that both visits saw the same things, which is what a loop is for:
 // within a region that is closed, one loop is enough to make every further keyframe see the old points. Cost:

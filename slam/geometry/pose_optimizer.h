@@ -1,8 +1,8 @@
 // The camera pose that best explains where known points are seen: robust Gauss-Newton with damping on SE(3).
 //
 //   minimise over T_cw   sum_i rho( |e_i|^2 / sigma_i^2 ),   e_i as in slam/geometry/reprojection.h
-//   step:   (H + lambda diag H) xi = -g,   H = sum w J^T J / sigma^2,   g = sum w J^T e / sigma^2,   T <-
-//   exp(xi) T
+//   step:   (H + lambda diag H) xi = -g,   H = sum w J^T J / sigma^2,   g = sum w J^T e / sigma^2,
+//           T <- exp(xi) T
 //
 // Three rounds: after each, pairs outside their chi-square gate (5.991 monocular, 7.815 stereo, times the
 // variance of their level) are set aside, and may come back; the last round runs without the Huber kernel.

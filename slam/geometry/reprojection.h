@@ -1,8 +1,8 @@
 // Reprojection errors and their derivatives: what pose estimation and bundle adjustment minimise.
 //
 //   p = T_cw X = R X + t                                        point in the camera's frame
-//   e = pi(p) - z,   pi(p) = (fx x/z + cx, fy y/z + cy, fx (x - b)/z + cx - d0)      pixels; the third row
-//   for stereo
+//   e = pi(p) - z,   pi(p) = (fx x/z + cx, fy y/z + cy, fx (x - b)/z + cx - d0)      pixels;
+//                                                                            the third row for stereo
 //
 //   J_pi   = de/dp = [ fx/z  0  -fx x/z^2 ;  0  fy/z  -fy y/z^2 ;  fx/z  0  -fx (x - b)/z^2 ]
 //   J_pose = de/dxi  = J_pi [ I | -[p]x ]       for T_cw <- exp(xi) T_cw, xi = (rho, phi)

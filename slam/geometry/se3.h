@@ -2,8 +2,8 @@
 //
 //   exp:  xi = (rho, phi) in R^6  ->  R = exp([phi]x),  t = V(phi) rho          rho in metres, phi in radians
 //   log:  the inverse, with |phi| <= pi
-//   [phi]x is the skew matrix of phi;  V(phi) = I + (1 - cos a)/a^2 [phi]x + (a - sin a)/a^3 [phi]x^2,  a =
-//   |phi|
+//   [phi]x is the skew matrix of phi;  V(phi) = I + (1 - cos a)/a^2 [phi]x + (a - sin a)/a^3 [phi]x^2,
+//   a = |phi|
 //
 // Perturbations are on the left throughout Penumbra: T <- exp(xi) T.
 // Source: Barfoot, State Estimation for Robotics (2017), section 7.1; Eade, Lie Groups for 2D and 3D

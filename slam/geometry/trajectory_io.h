@@ -1,9 +1,9 @@
 // Trajectory files in the formats that evaluation tools and data sets have.
 //
 //   KITTI      r11 r12 r13 tx  r21 r22 r23 ty  r31 r32 r33 tz    the upper rows of T_wc; one line a frame.
-//   With
-//                                                                the last row 0 0 0 1: 16 numbers; with the
-//                                                                frame's number before: 13 or 17 (KITTI-360)
+//                                                                With the last row 0 0 0 1: 16 numbers; with
+//                                                                the frame's number before: 13 or 17
+//                                                                (KITTI-360)
 //   TUM        t tx ty tz qx qy qz qw                            seconds, T_wc
 //   EuRoC      t,tx,ty,tz,qw,qx,qy,qz,...                        nanoseconds; TUM-VI's and ASL's csv, too
 //   TartanAir  tx ty tz qx qy qz qw                              one line a frame

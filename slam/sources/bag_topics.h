@@ -1,11 +1,11 @@
 // Which topics of a recording are the two cameras, or the camera and its depth.
 //
-//   stereo   names that are the same but for left/right, cam0/cam1, infra1/infra2 and the like; depth in
-//   neither RGB-D    a depth topic and an image topic that it is registered to: one K and size in both camera
-//   infos, or a
-//            name with "aligned" or "registered", or one frame
+//   stereo        names that are the same but for left/right, cam0/cam1, infra1/infra2 and the like; depth in
+//                 neither
+//   RGB-D         a depth topic and an image topic that it is registered to: one K and size in both camera
+//                 infos, or a name with "aligned" or "registered", or one frame
 //   camera info   the topic camera_info (info/camera_info, as librealsense has it) in the image's own
-//   namespace
+//                 namespace
 //
 // Of several the best is taken: with camera infos before without; left and right before depth, and depth
 // before two infrared cameras, which see the projector's dots; rectified before raw; raw bytes before JPEG;

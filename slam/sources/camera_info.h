@@ -1,12 +1,11 @@
 // The camera of a recording, from what its drivers said of it (sensor_msgs/CameraInfo).
 //
-//   raw images         K and D of each lens; rectified here, by R and P of both
-//   (slam/geometry/rectification.h):
-//                      T_right_left = { R_right^T R_left, R_right^T (-b, 0, 0) },  b = (P_left[3] -
-//                      P_right[3]) / fx
+//   raw images         K and D of each lens; rectified (slam/geometry/rectification.h) by R and P of both:
+//                      T_right_left = { R_right^T R_left, R_right^T (-b, 0, 0) },
+//                      b = (P_left[3] - P_right[3]) / fx
 //   rectified images   P: fx = P[0], cx = P[2], fy = P[5], cy = P[6]; P[3] = -fx b of the right camera
-//   binning and roi    K and P are those of the whole image: c -= roi offset, then f, c and size by the
-//   binning
+//   binning and roi    K and P are those of the whole image: c -= roi offset, then f, c and size by
+//                      the binning
 //
 // Images are rectified where their topic's name has the word "rect", or where there is nothing to rectify: D
 // is all zeros, R no rotation, and P begins with K. Distortion: plumb_bob, rational_polynomial, equidistant

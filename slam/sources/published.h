@@ -5,8 +5,7 @@
 //                     DATE/calib_cam_to_cam.txt; truth from oxts/data with calib_imu_to_velo.txt and
 //                     calib_velo_to_cam.txt
 //   KITTI-360         data_2d_raw/DRIVE/image_00|01/data_rect, timestamps.txt;
-//   ../../calibration/perspective.txt;
-//                     ../../data_poses/DRIVE/cam0_to_world.txt
+//                     ../../calibration/perspective.txt; ../../data_poses/DRIVE/cam0_to_world.txt
 //   Virtual KITTI 2   SCENE/VARIATION/frames/rgb/Camera_0|1; SCENE/VARIATION/extrinsic.txt
 //   TartanAir         image_left, image_right, pose_left.txt
 //   4Seasons          undistorted_images/cam0|1; ../calibration/undistorted_calib_0.txt, _stereo.txt

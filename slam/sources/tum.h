@@ -4,9 +4,8 @@
 //   rgb/, depth/            colour images; depth, 16-bit PNGs with 5000 levels a metre, 0 = unknown
 //   groundtruth.txt         optional: TUM trajectory of the camera
 //   calibration.yaml        optional, see docs/datasets.md; or ETH3D's calibration.txt; otherwise the camera
-//   is
-//                           known by the folder's name, which says freiburg1, freiburg2 or freiburg3 (or fr1,
-//                           fr2, fr3), or rgbd_bonn
+//                           is known by the folder's name, which says freiburg1, freiburg2 or freiburg3 (or
+//                           fr1, fr2, fr3), or rgbd_bonn
 //
 // A frame is a colour image and the depth image nearest in time, at most 0.02 s away; images without a
 // partner are left out, with a note. The frame's time is the colour image's. Colour and depth of freiburg1

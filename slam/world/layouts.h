@@ -18,8 +18,7 @@ namespace penumbra::slam::synthetic {
 //   sequences/00/flow/NNNNNN.png        3 x 16 bits as KITTI's flow, to the next frame (where recording.flow)
 //   sequences/00/amodal/NNNNNN/IIIII.png  8 bits: 255 on the whole of instance IIIII (where recording.amodal)
 //   sequences/00/landmarks/NNNNNN.png   16 bits: which thing each pixel of the left image shows, houses,
-//   trees
-//                                       and lamps too, 0 = ground, sky (where recording.landmarks)
+//                                       trees and lamps too, 0 = ground, sky (where recording.landmarks)
 //   sequences/00/landmarks.json         per number: class and whether it moves
 //   annotations/instances.json          COCO, see coco_annotations.h (where recording.annotations)
 //   poses/00.txt                        T_wc of the left camera, the first the identity

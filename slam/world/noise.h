@@ -4,8 +4,7 @@
 //   value noise:    n(x, y) interpolates hash(cell corner) in [-1, 1] with the weights 3f^2 - 2f^3
 //   fractal noise:  sum over octaves k of  gain^k w_k n(p / wavelength_k),  wavelength_k = wavelength_0 / 2^k
 //   band limit:     w_k = clamp(wavelength_k / (2 footprint) - 1, 0, 1): an octave fades out before a pixel
-//   of
-//                   `footprint` metres could no longer sample it (Nyquist), so textures do not alias.
+//                   of `footprint` metres could no longer sample it (Nyquist), so textures do not alias.
 //
 // With a gain near 1 every distance has detail of a few pixels, which is what corner detectors need.
 // Source: Perlin, An Image Synthesizer, SIGGRAPH 1985; band limit as in Musgrave, Kolb, Mace, SIGGRAPH 1989.

@@ -5,8 +5,8 @@
 // the box's size (rounded up to an odd number). Of its pixels those count whose depth is known and whose grey
 // value is near:
 //
-//   Q(p) = { q in the window:  z(q) > theta1 = 0,  |g(q) - g(p)| < theta2 = 5 },   z(p) <- mean of z over
-//   Q(p)
+//   Q(p) = { q in the window:  z(q) > theta1 = 0,  |g(q) - g(p)| < theta2 = 5 }
+//   z(p) <- mean of z over Q(p)
 //
 // and where Q(p) is empty the hole stays (Fang et al., their section on depth repair). The modes:
 //

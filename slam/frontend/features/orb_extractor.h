@@ -3,9 +3,8 @@
 //
 //   FAST-9 with threshold 20; cells of 35 pixels that stay empty are searched again with threshold 7
 //   features of level l:  n_l = N (1 - 1/s) / (1 - 1/s^L) / s^l        (in proportion to the level's width:
-//   its
-//                         area falls with s^-2l, so that a coarse level holds more features per pixel of its
-//                         own)
+//                         its area falls with s^-2l, so that a coarse level holds more features per pixel of
+//                         its own)
 //   orientation:          angle = atan2(m01, m10),  m_pq = sum x^p y^q I(x, y) over the disc of radius 15
 //   descriptor:           bit i = G(a_i) < G(b_i), pattern turned by the angle; G = the level blurred, with
 //                         a sigma of 2 pixels

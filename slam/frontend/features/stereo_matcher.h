@@ -5,8 +5,7 @@
 //   2. SAD of an 11 x 11 patch, slid by -5..5 pixels along the row on the feature's level, both patches less
 //      their centre's value
 //   3. from the best whole pixel x, Gauss-Newton on  sum (L(p) - R(p + x) - mean difference)^2  over the
-//   patch:
-//        x <- x - sum g~ (R(p + x) - L(p)) / sum g~^2,   g~ = slope of L along the row less its mean
+//        patch: x <- x - sum g~ (R(p + x) - L(p)) / sum g~^2,   g~ = slope of L along the row less its mean
 //   4. pairs whose SAD is above 2.1 times the median are removed
 //
 // Source: Mur-Artal, Tardos, ORB-SLAM2 (T-RO 2017), section III-A; with step 3 in place of

@@ -1,14 +1,11 @@
 // The dense map: the depth of all views in one grid of voxels, without what moves.
 //
 //   1. measure   every pixel that has a depth and does not move goes into the voxel where it lies, with the
-//   weight
-//                w = 1 / sigma(z)^2,   sigma(z) = depth_noise z^2       (stereo by triangulation; Khoshelham
-//                and
-//                                                                        Elberink, Sensors 2012)
+//                weight  w = 1 / sigma(z)^2,   sigma(z) = depth_noise z^2
+//                (stereo by triangulation; Khoshelham and Elberink, Sensors 2012)
 //   2. clear     a voxel that as many views looked through as measured it is empty: somebody stood there for
-//   a while.
-//                A view looks through it where the depths of the pixel and its eight neighbours all lie
-//                behind it by more than   3 sigma(z) + 2 voxels
+//                a while. A view looks through it where the depths of the pixel and its eight neighbours
+//                all lie behind it by more than   3 sigma(z) + 2 voxels
 //
 // The views have the poses that the map has now: after a loop or an adjustment the next fusion has them where
 // they belong, and nothing has to be undone. Cost: 0.1 us a pixel to measure; to clear, 5 ns a voxel and view

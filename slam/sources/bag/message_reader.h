@@ -1,9 +1,8 @@
 // The fields of a ROS message, one after the other.
 //
 //   ros1   little-endian, without gaps; a text is u32 length and its bytes
-//   cdr    4 bytes that say the byte order, then numbers at multiples of their size, counted from behind
-//   these 4
-//          bytes (of 4 at most in CDR's second version); a text's length counts a 0 at its end
+//   cdr    4 bytes that say the byte order, then numbers at multiples of their size (of 4 at most in CDR's
+//          second version), counted from behind these 4 bytes; a text's length counts a 0 at its end
 //
 // Sources: wiki.ros.org/msg; OMG, DDS Interoperability Wire Protocol 2.5, section 10 (encapsulation), and
 // DDS-XTypes 1.3, section 7.4.

@@ -3,12 +3,10 @@
 //
 //   Kalibr's camchain   cam0 and cam1: intrinsics [fx, fy, cx, cy], distortion_model and _coeffs, resolution;
 //   (and OpenVINS's)    cam1's T_cn_cnm1 = T_right_left, else T_cam_imu, or OpenVINS's T_imu_cam, of both
-//   ORB-SLAM2 and 3     Camera.fx ... with Camera.bf = baseline fx, or LEFT.K, D, R, P and RIGHT's of raw
-//   images;
+//   ORB-SLAM2 and 3     Camera.fx ... with Camera.bf = baseline fx, or LEFT.K, D, R, P and RIGHT's, raw;
 //                       Camera1.fx ... with Stereo.b, or Camera2.fx ... with Stereo.T_c1_c2 = T_left_right
-//   ROS's camera_info   camera_matrix, distortion_coefficients, rectification_matrix R, projection_matrix P
-//   of
-//                       each camera: T_right_left = R_right^T (R_left, (P_right[3] / P_right[0], 0, 0))
+//   ROS's camera_info   camera_matrix, distortion_coefficients, rectification_matrix R and projection_matrix
+//                       P of each camera: T_right_left = R_right^T (R_left, (P_right[3] / P_right[0], 0, 0))
 //   OpenCV's storage    K1, D1, K2, D2, R, T of stereoCalibrate: T_right_left = (R, T)
 //   sensor.yaml         of EuRoC and TUM-VI, one a camera: T_right_left = T_BS(right)^-1 T_BS(left)
 //   Basalt              JSON: T_imu_cam and intrinsics of each camera

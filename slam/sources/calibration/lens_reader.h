@@ -14,8 +14,8 @@ namespace penumbra::slam {
 // The keys under `prefix` ("left.", "right.", or ""), under their own names
 // (slam/sources/calibration/camera_keys.h):
 //   fx fy cx cy, or intrinsics [fx, fy, cx, cy], or camera_matrix, 3 x 3 row by row;
-//   distortion with distortion_model, or k1 k2 p1 p2 [k3], or k1 k2 k3 k4 (equidistant); nothing but zeros is
-//   none;
+//   distortion with distortion_model, or k1 k2 p1 p2 [k3], or k1 k2 k3 k4 (equidistant);
+//   nothing but zeros is none;
 //   width and height, or resolution: here, or without prefix for both lenses; not needed without distortion.
 // Throws InputError (file:line) for keys that are missing, two ways at once, or numbers that no camera has.
 LensCamera read_lens(const YamlFile& yaml, const std::string& prefix);
