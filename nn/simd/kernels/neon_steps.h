@@ -107,6 +107,31 @@ PENUMBRA_INLINE void separate_pairs(Sum (&sum)[R][V]) {
   }
 }
 
+// What Numbers have of the register tile (register_tile.h) beside what they multiply by: by lanes of one pixel, or
+// by pairs of pixels.
+template <class Number>
+struct NumberOfLanes {
+  static constexpr bool kPairs = false, kOwnSteps = true;
+  template <int P, int V, class Element, class Sum>
+  PENUMBRA_INLINE void step(const Element* x, std::ptrdiff_t stride, const Element* weights,
+                            Sum (&sum)[P][V]) {
+    step_by_lanes<Number>(x, stride, weights, sum);
+  }
+};
+template <class Number>
+struct NumberOfPairs {
+  static constexpr bool kPairs = true, kOwnSteps = true;
+  template <int P, int V, int R, class Element, class Sum>
+  PENUMBRA_INLINE void step(const Element* x, std::ptrdiff_t stride, const Element* weights,
+                            Sum (&sum)[R][V]) {
+    step_by_pairs<Number, P>(x, stride, weights, sum);
+  }
+  template <int R, int V, class Sum>
+  PENUMBRA_INLINE void separate(Sum (&sum)[R][V]) {
+    separate_pairs(sum);
+  }
+};
+
 #undef PENUMBRA_INLINE
 
 }  // namespace penumbra::nn::PENUMBRA_ISA

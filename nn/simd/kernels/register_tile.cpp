@@ -11,13 +11,16 @@ namespace penumbra::nn::PENUMBRA_ISA {
 
 namespace {
 
-struct Float32 {
+struct Float32
+#if defined(PENUMBRA_NEON)
+    : NumberOfLanes<Float32>
+#endif
+{
   using Element = float;
   using Sum = Vector;
   using Group = Vector;
   using Weights = Vector;
   static constexpr int kGroup = 1;
-  static constexpr bool kPairs = false;
 
   __attribute__((always_inline)) static Vector zero() { return Vector(0.0F); }
   __attribute__((always_inline)) static Vector load(const float* w) { return Vector::load_aligned(w); }
@@ -25,19 +28,13 @@ struct Float32 {
     return sum;
   }
 #if defined(PENUMBRA_NEON)
-  static constexpr bool kOwnSteps = true;
   __attribute__((always_inline)) static float32x4_t load_pixel(const float* x) { return vld1q_f32(x); }
   template <int lane>
   __attribute__((always_inline)) static Vector multiply(float32x4_t x, const Vector& w, const Vector& sum) {
     return vfmaq_laneq_f32(sum, w, x, lane);
   }
-  template <int P, int V>
-  __attribute__((always_inline)) static void step(const float* x, std::ptrdiff_t stride, const float* weights,
-                                                  Vector (&sum)[P][V]) {
-    step_by_lanes<Float32>(x, stride, weights, sum);
-  }
 #else
-  static constexpr bool kOwnSteps = false;
+  static constexpr bool kPairs = false, kOwnSteps = false;
   __attribute__((always_inline)) static Vector broadcast(const float* x) { return Vector(*x); }
   __attribute__((always_inline)) static Vector multiply(const Vector& x, const Vector& w, const Vector& sum) {
     return madd(x, w, sum);

@@ -9,24 +9,14 @@ namespace penumbra::nn::PENUMBRA_ISA {
 
 namespace {
 
-struct Bf16 {
+struct Bf16 : NumberOfPairs<Bf16> {
   using Element = std::uint16_t;
   using Sum = float32x4_t;
   static constexpr int kGroup = 2;
-  static constexpr bool kPairs = true, kOwnSteps = true;
 
   __attribute__((always_inline)) static float32x4_t zero() { return vdupq_n_f32(0.0F); }
   __attribute__((always_inline)) static float32x4_t multiply(uint64x2_t x, uint64x2_t w, float32x4_t sum) {
     return vbfmmlaq_f32(sum, vreinterpretq_bf16_u64(x), vreinterpretq_bf16_u64(w));
-  }
-  template <int P, int V, int R>
-  __attribute__((always_inline)) static void step(const Element* x, std::ptrdiff_t stride,
-                                                  const Element* weights, Sum (&sum)[R][V]) {
-    step_by_pairs<Bf16, P>(x, stride, weights, sum);
-  }
-  template <int R, int V>
-  __attribute__((always_inline)) static void separate(Sum (&sum)[R][V]) {
-    separate_pairs(sum);
   }
   __attribute__((always_inline)) static Vector finish(float32x4_t sum, const TileArguments&, int) {
     return Vector(sum);

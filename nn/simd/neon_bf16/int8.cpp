@@ -8,24 +8,14 @@ namespace penumbra::nn::PENUMBRA_ISA {
 
 namespace {
 
-struct Int8 {
+struct Int8 : NumberOfPairs<Int8> {
   using Element = std::int8_t;
   using Sum = int32x4_t;
   static constexpr int kGroup = 4;
-  static constexpr bool kPairs = true, kOwnSteps = true;
 
   __attribute__((always_inline)) static int32x4_t zero() { return vdupq_n_s32(0); }
   __attribute__((always_inline)) static int32x4_t multiply(uint64x2_t x, uint64x2_t w, int32x4_t sum) {
     return vmmlaq_s32(sum, vreinterpretq_s8_u64(x), vreinterpretq_s8_u64(w));
-  }
-  template <int P, int V, int R>
-  __attribute__((always_inline)) static void step(const Element* x, std::ptrdiff_t stride,
-                                                  const Element* weights, Sum (&sum)[R][V]) {
-    step_by_pairs<Int8, P>(x, stride, weights, sum);
-  }
-  template <int R, int V>
-  __attribute__((always_inline)) static void separate(Sum (&sum)[R][V]) {
-    separate_pairs(sum);
   }
   __attribute__((always_inline)) static Vector finish(int32x4_t sum, const TileArguments& a, int v) {
     return scaled(sum, a, v);

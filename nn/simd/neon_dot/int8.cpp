@@ -8,11 +8,10 @@ namespace penumbra::nn::PENUMBRA_ISA {
 
 namespace {
 
-struct Int8 {
+struct Int8 : NumberOfLanes<Int8> {
   using Element = std::int8_t;
   using Sum = int32x4_t;
   static constexpr int kGroup = 4;
-  static constexpr bool kPairs = false, kOwnSteps = true;
 
   __attribute__((always_inline)) static int32x4_t zero() { return vdupq_n_s32(0); }
   __attribute__((always_inline)) static int8x16_t load(const Element* w) { return vld1q_s8(w); }
@@ -20,11 +19,6 @@ struct Int8 {
   template <int group>
   __attribute__((always_inline)) static int32x4_t multiply(int8x16_t x, int8x16_t w, int32x4_t sum) {
     return vdotq_laneq_s32(sum, w, x, group);
-  }
-  template <int P, int V>
-  __attribute__((always_inline)) static void step(const Element* x, std::ptrdiff_t stride,
-                                                  const Element* weights, Sum (&sum)[P][V]) {
-    step_by_lanes<Int8>(x, stride, weights, sum);
   }
   __attribute__((always_inline)) static Vector finish(int32x4_t sum, const TileArguments& a, int v) {
     return scaled(sum, a, v);
