@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "nn/base/error.h"
+#include "nn/image/levels.h"
 
 namespace penumbra {
 
@@ -73,11 +74,7 @@ WordImage depth_units_of(const ImageRef& image, const Size& size) {
 }
 
 FloatImage depth_metres_of(const ImageRef& image, const Size& size) {
-  FloatImage depth = copy_rows<float>(image, 1, checked_rows(image, size, "depth"));
-  for (std::size_t i = 0; i < depth.elements(); ++i) {
-    if (!std::isfinite(depth.data()[i])) depth.data()[i] = 0.0F;
-  }
-  return depth;
+  return known_metres(copy_rows<float>(image, 1, checked_rows(image, size, "depth")));
 }
 
 }  // namespace penumbra

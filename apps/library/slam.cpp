@@ -14,13 +14,13 @@
 #include "apps/slam/segmenter.h"
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
+#include "nn/image/levels.h"
 #include "slam/map/map_file.h"
 #include "slam/map/ply.h"
 #include "slam/pipeline/dynamics_choice.h"
 #include "slam/pipeline/run_check.h"
 #include "slam/pipeline/settings_file.h"
 #include "slam/pipeline/slam.h"
-#include "slam/sources/depth_levels.h"
 #include "weights_tools/load_weights.h"
 
 namespace penumbra {
@@ -200,7 +200,7 @@ class Slam::Run {
     }
     if (image.format != PixelFormat::depth16)
       throw InputError("depth", "16-bit depth, or metres as floats", "grey or colour");
-    return slam::metres_of(cameras().left.nearest(depth_units_of(image, size)), parts().depth_factor);
+    return penumbra::metres_of(cameras().left.nearest(depth_units_of(image, size)), parts().depth_factor);
   }
 
   // Where the map has moved the newest frame since its pose was told.

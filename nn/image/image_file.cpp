@@ -13,6 +13,7 @@
 #include "nn/image/foreign_image.h"
 #include "nn/image/image_container.h"
 #include "nn/image/jpeg_codec.h"
+#include "nn/image/levels.h"
 #include "nn/image/netpbm.h"
 
 namespace penumbra::nn {
@@ -32,16 +33,6 @@ StoredImage read_plain_rows(const std::string& bytes, const std::filesystem::pat
   if (looks_like_netpbm(bytes)) return read_netpbm(bytes, place);
   if (looks_like_bmp(bytes)) return read_bmp(bytes, place);
   throw InputError(place, expected, describe_foreign_image(bytes, path));
-}
-
-// The upper 8 of the significant bits, which lie low; rounded down, as libpng does.
-ByteImage upper_bits(const WordImage& words, int significant_bits) {
-  ByteImage bytes(words.width(), words.height(), words.channels());
-  const int shift = std::max(0, significant_bits - 8);
-  std::transform(words.data(), words.data() + words.elements(), bytes.data(), [shift](std::uint16_t value) {
-    return static_cast<std::uint8_t>(std::min(value >> shift, 255));
-  });
-  return bytes;
 }
 
 StoredImage decode(std::string bytes, ImageColour colour, bool eight_bits, const std::filesystem::path& path,

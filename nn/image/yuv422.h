@@ -1,10 +1,5 @@
 // Images of cameras that give the brightness of every pixel and the colour of two pixels together.
-//
-//   blue  = y                   + 2.018 (U - 128)
-//   green = y - 0.813 (V - 128) - 0.391 (U - 128)       y = 1.164 (Y - 16), at least 0
-//   red   = y + 1.596 (V - 128)                         ITU-R BT.601, as USB cameras mean it
-//
-// Error against real arithmetic: 1 level. Cost: about 2 ns a pixel.
+// Colour is that of yuv.h in video range.
 #pragma once
 
 #include "nn/image/image.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "nn/base/error.h"
+#include "nn/image/levels.h"
 
 namespace penumbra::slam {
 
@@ -72,13 +73,7 @@ ByteImage ImageLevels::read(const ImageReader& reader, const ImageKey& key, nn::
   if (bits_ == 0 || bits_ == 16) return reader.read(key, colour, nn::ImageBits::eight).bytes;
   const nn::StoredImage image = reader.read(key, colour, nn::ImageBits::stored);
   if (!image.is_wide()) return image.bytes;
-  const WordImage& words = image.words;
-  ByteImage levels(words.width(), words.height(), words.channels());
-  const int shift = bits_ - 8;
-  std::transform(words.data(), words.data() + words.elements(), levels.data(), [shift](std::uint16_t level) {
-    return static_cast<std::uint8_t>(std::min(level >> shift, 255));
-  });
-  return levels;
+  return upper_bits(image.words, bits_);
 }
 
 }  // namespace penumbra::slam

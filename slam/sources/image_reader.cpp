@@ -1,6 +1,6 @@
 #include "slam/sources/image_reader.h"
 
-#include "slam/sources/depth_levels.h"
+#include "nn/image/levels.h"
 
 namespace penumbra::slam {
 

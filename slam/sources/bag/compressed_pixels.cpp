@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "nn/base/error.h"
+#include "nn/image/levels.h"
 #include "slam/sources/bag/image_pixels.h"
 #include "slam/sources/bag/pixel_encoding.h"
 
@@ -43,14 +44,14 @@ nn::ImageInfo info_of(const CompressedImageMessage& image, const fs::path& place
 }
 
 FloatImage depth_of(const CompressedImageMessage& image, const fs::path& place) {
-  if (!is_compressed_depth(image.format)) return metres_of_millimetres(png_levels(image.data, place));
+  if (!is_compressed_depth(image.format)) return metres_of(png_levels(image.data, place), kMillimetres);
   constexpr std::size_t kBefore = 12;
   if (image.format.find("rvl") != std::string_view::npos)
     throw InputError(place.string(), "compressedDepth by PNG (the node's png_level)", "by RVL");
   if (image.data.size() < kBefore)
     throw InputError(place.string(), "12 bytes before the PNG", fmt::format("{}", image.data.size()));
   const WordImage levels = png_levels(image.data.substr(kBefore), place);
-  if (original_encoding(image.format) != "32FC1") return metres_of_millimetres(levels);
+  if (original_encoding(image.format) != "32FC1") return metres_of(levels, kMillimetres);
   float a = 0.0F, b = 0.0F;
   std::memcpy(&a, image.data.data() + 4, sizeof(a));
   std::memcpy(&b, image.data.data() + 8, sizeof(b));
@@ -58,7 +59,7 @@ FloatImage depth_of(const CompressedImageMessage& image, const fs::path& place) 
   std::transform(levels.data(), levels.data() + levels.elements(), depth.data(), [a, b](std::uint16_t level) {
     return level == 0 ? 0.0F : a / (static_cast<float>(level) - b);
   });
-  return metres_of_floats(std::move(depth));
+  return known_metres(std::move(depth));
 }
 
 }  // namespace penumbra::slam

@@ -5,6 +5,7 @@
 
 #include "nn/base/error.h"
 #include "nn/base/text.h"
+#include "nn/image/levels.h"
 #include "nn/image/yuv422.h"
 #include "slam/sources/bag/pixel_encoding.h"
 
@@ -121,9 +122,7 @@ nn::StoredImage pixels_of(const ImageMessage& image, nn::ImageColour colour, nn:
       result.bytes = checked_demosaic(rows.bytes(1), *bayer_pattern(rows.encoding->layout), place);
   }
   if (result.is_wide() && bits == nn::ImageBits::eight) {
-    result.bytes = ByteImage(rows.width, rows.height);
-    std::transform(result.words.data(), result.words.data() + result.words.elements(), result.bytes.data(),
-                   [](std::uint16_t level) { return static_cast<std::uint8_t>(level >> 8); });
+    result.bytes = upper_bits(result.words, 16);
     result.words = {};
   }
   set_channels(result, colour);
@@ -143,9 +142,9 @@ FloatImage depth_of(const ImageMessage& image, const fs::path& path) {
   const std::string place = path.string();
   const Rows rows(image, place);
   if (rows.encoding->layout == PixelLayout::metres)
-    return metres_of_floats(numbers_of<float>(rows, image.is_big_endian));
+    return known_metres(numbers_of<float>(rows, image.is_big_endian));
   if (rows.encoding->layout == PixelLayout::grey16)
-    return metres_of_millimetres(numbers_of<std::uint16_t>(rows, image.is_big_endian));
+    return metres_of(numbers_of<std::uint16_t>(rows, image.is_big_endian), kMillimetres);
   throw InputError(place, "depth (16UC1, mono16 or 32FC1)", fmt::format("{}", rows.encoding->name));
 }
 

@@ -88,19 +88,4 @@ void set_channels(nn::StoredImage& image, nn::ImageColour colour) {
   }
 }
 
-FloatImage metres_of_floats(FloatImage depth) {
-  for (std::size_t i = 0; i < depth.elements(); ++i) {
-    float& metres = depth.data()[i];
-    if (!(std::isfinite(metres) && metres > 0.0F)) metres = 0.0F;
-  }
-  return depth;
-}
-
-FloatImage metres_of_millimetres(const WordImage& levels) {
-  FloatImage depth(levels.width(), levels.height());
-  std::transform(levels.data(), levels.data() + levels.elements(), depth.data(),
-                 [](std::uint16_t level) { return static_cast<float>(level * 1e-3); });
-  return depth;
-}
-
 }  // namespace penumbra::slam

@@ -35,8 +35,7 @@ bool is_compressed_depth(std::string_view format);
 // What all readers of pixels end in. Throws InputError naming `place` for a mosaic that is too small.
 ByteImage checked_demosaic(const ByteView& mosaic, BayerPattern pattern, const std::string& place);
 void set_channels(nn::StoredImage& image, nn::ImageColour colour);
-FloatImage metres_of_millimetres(const WordImage& levels);
-// 0 for what is not above 0 and finite.
-FloatImage metres_of_floats(FloatImage depth);
+
+inline constexpr double kMillimetres = 1000.0;  // levels a metre, by REP 118
 
 }  // namespace penumbra::slam

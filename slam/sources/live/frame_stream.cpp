@@ -10,6 +10,7 @@
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/image/image_container.h"
+#include "nn/image/yuv.h"
 
 namespace penumbra::slam {
 
@@ -75,10 +76,6 @@ Header parse_header(const std::string& line, const std::string& place) {
       static_cast<long>(header.width) * header.height > nn::kMaxImagePixels)
     throw InputError(place, "a width and a height (W640 H480)", fmt::format("'{}'", printable(line, 80)));
   return header;
-}
-
-std::uint8_t clamped(float value) {
-  return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
 }
 
 class Y4mStream final : public FrameStream {
@@ -161,20 +158,11 @@ class Y4mStream final : public FrameStream {
     const std::uint8_t* const u_plane = frame.bytes.data() + luma_bytes();
     const std::uint8_t* const v_plane = u_plane + chroma_bytes();
     const std::ptrdiff_t line = has_chroma ? static_cast<std::ptrdiff_t>(y / step_y_) * chroma_width() : 0;
-    const float gain = is_full_range_ ? 1.0F : 255.0F / 219.0F,
-                chroma_gain = is_full_range_ ? 1.0F : 255.0F / 224.0F;
-    const float black = is_full_range_ ? 0.0F : 16.0F;
+    const YuvRange& range = is_full_range_ ? kFullRange : kVideoRange;
     for (int x = 0; x < width; ++x, bgr += 3) {
-      const float Y = gain * (static_cast<float>(luma[x]) - black);
-      float u = 0.0F, v = 0.0F;
-      if (has_chroma) {
-        const std::ptrdiff_t at = line + (x0 + x) / step_x_;
-        u = chroma_gain * (static_cast<float>(u_plane[at]) - 128.0F);
-        v = chroma_gain * (static_cast<float>(v_plane[at]) - 128.0F);
-      }
-      bgr[0] = clamped(Y + 1.772F * u);
-      bgr[1] = clamped(Y - 0.344136F * u - 0.714136F * v);
-      bgr[2] = clamped(Y + 1.402F * v);
+      constexpr int kGrey = 128;
+      const std::ptrdiff_t at = has_chroma ? line + (x0 + x) / step_x_ : 0;
+      put_bgr(range, luma[x], has_chroma ? u_plane[at] : kGrey, has_chroma ? v_plane[at] : kGrey, bgr);
     }
   }
 

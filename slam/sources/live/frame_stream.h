@@ -5,8 +5,7 @@
 //   YUV4MPEG2 W1504 H480 F20:1 Ip A1:1 C420jpeg\n        header; C mono, 420 (any), 422, 444, of 8 bits
 //   FRAME\n                                              then Y, and U and V unless mono
 //
-// Colour is that of ITU-R BT.601: R = y + 1.402 v, G = y - 0.344 u - 0.714 v, B = y + 1.772 u, with y = Y and
-// u, v = U - 128, V - 128 in full range, y = 1.164 (Y - 16) and 1.138 times u, v in video range.
+// Colour: nn/image/yuv.h, in full range where the header says so (XCOLORRANGE=FULL, or else C420jpeg and mono).
 //
 // RGB-D, a form of our own for cameras that have depth:
 //
