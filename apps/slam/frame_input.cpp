@@ -51,12 +51,13 @@ FrameInput::FrameInput(const SlamOptions& options) {
 void FrameInput::open_stream(const SlamOptions& options) {
   if (options.dataset.camera.empty())
     throw UsageError("a stream on standard input needs --camera calibration.yaml (docs/datasets.md)");
-  const slam::CameraFile camera = slam::read_camera_file(options.dataset.camera);
+  slam::CameraFile camera = slam::read_camera_file(options.dataset.camera);
   bytes_ = std::make_unique<slam::ByteInput>(STDIN_FILENO, "standard input");
   const auto layout =
       options.layout == "top-bottom" ? slam::StereoLayout::top_bottom : slam::StereoLayout::side_by_side;
   stream_ = slam::open_frame_stream(
       *bytes_, layout, options.dataset.frame_rate ? options.dataset.frame_rate : camera.frame_rate);
+  slam::take_size(stream_->size(), camera);
   slam::LiveSettings settings;
   settings.drops = !options.every_frame;
   settings.colour = options.dataset.images == "colour" ||

@@ -21,7 +21,7 @@ std::vector<std::size_t> own_order(const std::vector<std::unique_ptr<Map>>& maps
     const Map& map = *maps[m];
     const KeyFrame* first = map.keyframes().empty() ? nullptr : map.keyframes().front();
     const Eigen::Vector3d last =
-        first == nullptr ? Eigen::Vector3d::Zero() : map.keyframes().back()->T_cw.inverse().translation;
+        first == nullptr ? Eigen::Vector3d::Zero() : camera_centre(map.keyframes().back()->T_cw);
     return std::tuple(-static_cast<std::ptrdiff_t>(map.keyframes().size()),
                       -static_cast<std::ptrdiff_t>(map.points().size()),
                       first == nullptr ? 0.0 : first->timestamp, last.x(), last.y(), last.z());
@@ -54,13 +54,13 @@ const KeyFrame& standing(const KeyFrame& keyframe) {
 class Tie {
  public:
   Tie(Map& map, const PlaceIndex& index, const LoopCloserSettings& settings)
-      : map_(map), index_(index), settings_(settings) {}
+      : map_(map), index_(index), settings_(settings), sightings_(settings, map.camera().baseline) {}
 
   // Ids of the map's keyframes: places there prove nothing new.
   void begin(int first_id, int end_id) {
     first_id_ = first_id;
     end_id_ = end_id;
-    sightings_ = PlaceSightings(settings_, map_.camera().baseline);
+    sightings_.clear();
     last_ = -1;
     way_ = 0.0;
     before_ = nullptr;
@@ -149,7 +149,7 @@ class Tie {
   Map& map_;
   const PlaceIndex& index_;
   const LoopCloserSettings& settings_;
-  PlaceSightings sightings_{settings_, 0.0};
+  PlaceSightings sightings_;
   std::vector<LoopEdge> edges_;
   int first_id_ = 0, end_id_ = 0;
   int last_ = -1;     // id of the keyframe of the last tie; -1: none yet

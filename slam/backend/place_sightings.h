@@ -46,8 +46,8 @@ class PlaceSightings {
   bool agree(const PlaceSighting& a, const PlaceSighting& b) const;
   bool are_independent(const PlaceSighting& a, const PlaceSighting& b) const;
 
-  PlaceAgreementSettings settings_;
-  double baseline_;
+  const PlaceAgreementSettings settings_;
+  const double baseline_;
   std::deque<PlaceSighting> sightings_;
 };
 

@@ -72,15 +72,18 @@ struct TimedImages {
   }
 };
 
-RecordedCamera camera_of(const ChosenTopics& topics, const DatasetOptions& options,
-                         const std::string& place) {
+RecordedCamera camera_of(const ChosenTopics& topics, const DatasetOptions& options, const std::string& place,
+                         std::vector<std::string>& notes) {
   if (!options.camera.empty()) {
-    const CameraFile file = read_camera_file(options.camera);
+    CameraFile file = read_camera_file(options.camera);
     if (file.sensor != topics.sensor) {
       throw InputError(options.camera.string(),
                        topics.sensor == Sensor::stereo ? "a stereo camera" : "an RGB-D camera",
                        topics.sensor == Sensor::stereo ? "an RGB-D camera" : "a stereo camera");
     }
+    const Size& size = topics.left->size;
+    if (lacks_size(file) && size.width > 0) take_size(size, file);
+    notes.insert(notes.end(), file.notes.begin(), file.notes.end());
     return make_camera(file);
   }
   const auto said = [&](const CameraTopic* camera, const ImageTopic& image) -> SaidCamera {
@@ -131,10 +134,10 @@ std::unique_ptr<StereoDataset> open_bag_recording(const fs::path& path, const Da
         "image; --left-topic with --right-topic or --depth-topic choose",
         found);
   }
-  const RecordedCamera camera = camera_of(*topics, options, place);
+  Recording recording;
+  const RecordedCamera camera = camera_of(*topics, options, place, recording.notes);
   const bool rgbd = topics->sensor == Sensor::rgbd;
 
-  Recording recording;
   recording.name = fmt::format("{} {}", source->kind(), path.filename().string());
   recording.place = place;
   recording.sensor = topics->sensor;
@@ -142,7 +145,7 @@ std::unique_ptr<StereoDataset> open_bag_recording(const fs::path& path, const Da
   recording.left = camera.left;
   recording.right = camera.right;
   recording.colour = colour_of(options.cameras, rgbd ? nn::ImageColour::bgr : nn::ImageColour::grey);
-  recording.notes = source->notes();
+  recording.notes.insert(recording.notes.end(), source->notes().begin(), source->notes().end());
   recording.notes.push_back(topics->text());
   note_camera(*topics, options, recording.notes);
   note_unused_rate(options.frame_rate, path, recording.notes);

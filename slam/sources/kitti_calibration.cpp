@@ -19,12 +19,6 @@ namespace {
 
 constexpr double kSameIntrinsics = 1e-3;  // pixels
 
-// A 3 x 4 projection matrix, row by row, and where it stands.
-struct ProjectionRow {
-  std::string place;
-  std::vector<double> values;
-};
-
 // What stands behind a label.
 struct Labelled {
   std::string place;  // "file:line (label)"
@@ -79,11 +73,7 @@ ProjectionRow find_projection(const std::map<std::string, Labelled>& lines, cons
 
 }  // namespace
 
-StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left, int right) {
-  const std::map<std::string, Labelled> lines = read_labelled(path);
-  const ProjectionRow P_left = find_projection(lines, path, left);
-  const ProjectionRow P_right = find_projection(lines, path, right);
-
+StereoCamera pair_of(const ProjectionRow& P_left, const ProjectionRow& P_right, int left_number) {
   StereoCamera camera;
   camera.fx = P_left.values[0];
   camera.cx = P_left.values[2];
@@ -105,10 +95,16 @@ StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left,
   camera.baseline = (P_left.values[3] - P_right.values[3]) / camera.fx;
   // Two finite offsets may be too far apart for a finite difference.
   if (!(camera.baseline > 0.0 && std::isfinite(camera.baseline))) {
-    throw InputError(P_right.place, fmt::format("a camera to the right of camera {} (baseline > 0)", left),
+    throw InputError(P_right.place,
+                     fmt::format("a camera to the right of camera {} (baseline > 0)", left_number),
                      fmt::format("a baseline of {:g} m", camera.baseline));
   }
   return camera;
+}
+
+StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left, int right) {
+  const std::map<std::string, Labelled> lines = read_labelled(path);
+  return pair_of(find_projection(lines, path, left), find_projection(lines, path, right), left);
 }
 
 }  // namespace penumbra::slam

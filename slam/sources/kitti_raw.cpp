@@ -13,7 +13,9 @@
 #include "nn/base/number_file.h"
 #include "nn/base/text.h"
 #include "slam/sources/calibration/camera_file.h"
+#include "slam/sources/calibration/lens_reader.h"
 #include "slam/sources/folder_listing.h"
+#include "slam/sources/kitti_calibration.h"
 
 namespace penumbra::slam {
 
@@ -84,27 +86,16 @@ double latitude_of(const fs::path& path) {
 
 StereoCamera read_kitti_raw_calibration(const fs::path& path, int left, int right) {
   const LabelledNumbers file(path, "the calibration of KITTI's raw data, P_rect_00 and so on");
-  const std::vector<double> P = file.numbers(camera_label("P", left), 12),
-                            Q = file.numbers(camera_label("P", right), 12),
-                            size = file.numbers(camera_label("S", left), 2);
-  StereoCamera camera;
-  camera.fx = P[0];
-  camera.fy = P[5];
-  camera.cx = P[2];
-  camera.cy = P[6];
-  camera.width = static_cast<int>(size[0]);
-  camera.height = static_cast<int>(size[1]);
-  camera.baseline = (P[3] - Q[3]) / P[0];
-  if (!(camera.fx > 0.0 && camera.fy > 0.0 && camera.width > 0 && camera.height > 0 && size[0] < 65536.0 &&
-        size[1] < 65536.0)) {
-    throw InputError(file.place(camera_label("P", left)), "focal lengths and an image size > 0",
-                     fmt::format("{:g}, {:g}, {:g} x {:g}", P[0], P[5], size[0], size[1]));
-  }
-  if (!(camera.baseline > 0.0 && std::isfinite(camera.baseline))) {
-    throw InputError(file.place(camera_label("P", right)),
-                     fmt::format("a camera to the right of camera {}", left),
-                     fmt::format("a baseline of {:g} m", camera.baseline));
-  }
+  const auto projection = [&](int camera) -> ProjectionRow {
+    std::vector<double> values = file.numbers(camera_label("P", camera), 12);
+    return {file.place(camera_label("P", camera)), std::move(values)};
+  };
+  StereoCamera camera = pair_of(projection(left), projection(right), left);
+  const std::vector<double> size = file.numbers(camera_label("S", left), 2);
+  LensCamera lens;
+  set_size(lens, size[0], size[1], file.place(camera_label("S", left)));
+  camera.width = lens.width;
+  camera.height = lens.height;
   return camera;
 }
 

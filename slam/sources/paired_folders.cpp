@@ -103,21 +103,15 @@ void sort_by_time(Recording& recording) {
   std::stable_sort(recording.ground_truth.begin(), recording.ground_truth.end(), is_earlier);
 }
 
-// Some files of raw cameras, as OpenCV's, do not say how large the images are that they were made with.
-void take_size(const fs::path& first_image, bool side_by_side, CameraFile& file) {
-  if (file.rectified || file.left.width > 0) return;
-  const nn::ImageInfo image = nn::read_image_info(first_image);
-  file.left.width = file.right.width = image.width / (side_by_side ? 2 : 1);
-  file.left.height = file.right.height = image.height;
-  file.notes.push_back("the calibration does not say the size of its images: that of the first one is taken");
-}
-
 }  // namespace
 
 std::unique_ptr<StereoDataset> open_paired_folders(PairedFolders folders, const DatasetOptions& options) {
   const bool rgbd = folders.camera.sensor == Sensor::rgbd;
   const ImagePairs images = pair_images(folders.first, folders.second);
-  take_size(images.first[images.pairs.front().first].path, folders.side_by_side, folders.camera);
+  if (lacks_size(folders.camera)) {
+    const nn::ImageInfo first = nn::read_image_info(images.first[images.pairs.front().first].path);
+    take_size({first.width / (folders.side_by_side ? 2 : 1), first.height}, folders.camera);
+  }
   const RecordedCamera camera = make_camera(folders.camera);
 
   Recording recording;

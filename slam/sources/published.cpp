@@ -24,6 +24,10 @@ CameraFile pinhole_pair(double fx, double fy, double cx, double cy, double basel
   return camera;
 }
 
+CameraFile file_of(const StereoCamera& c) {
+  return pinhole_pair(c.fx, c.fy, c.cx, c.cy, c.baseline, c.width, c.height);
+}
+
 bool wants_colour(const DatasetOptions& options) { return options.cameras == DatasetCameras::colour; }
 
 // ---- KITTI raw data
@@ -40,9 +44,7 @@ PairedFolders kitti_raw(const fs::path& path, const DatasetOptions& options) {
   folders.first = path / fmt::format("image_0{}", left) / "data";
   folders.second = path / fmt::format("image_0{}", left + 1) / "data";
   const fs::path calibration = path.parent_path() / "calib_cam_to_cam.txt";
-  const StereoCamera camera = read_kitti_raw_calibration(calibration, left, left + 1);
-  folders.camera =
-      pinhole_pair(camera.fx, camera.fy, camera.cx, camera.cy, camera.baseline, camera.width, camera.height);
+  folders.camera = file_of(read_kitti_raw_calibration(calibration, left, left + 1));
   folders.camera.colour = colour;
   const fs::path times = folders.first.parent_path() / "timestamps.txt";
   if (is_present(times)) folders.times = {times, read_date_list(times)};
@@ -60,9 +62,7 @@ PairedFolders kitti_360(const fs::path& path, const DatasetOptions&) {
   folders.name = "KITTI-360 " + path.filename().string();
   folders.first = path / "image_00" / "data_rect";
   folders.second = path / "image_01" / "data_rect";
-  const StereoCamera camera = read_kitti_raw_calibration(root / "calibration" / "perspective.txt", 0, 1);
-  folders.camera =
-      pinhole_pair(camera.fx, camera.fy, camera.cx, camera.cy, camera.baseline, camera.width, camera.height);
+  folders.camera = file_of(read_kitti_raw_calibration(root / "calibration" / "perspective.txt", 0, 1));
   const fs::path times = path / "image_00" / "timestamps.txt";
   if (is_present(times)) folders.times = {times, read_date_list(times)};
   folders.rate = 10.0;

@@ -144,6 +144,14 @@ void take_for_rgbd(CameraFile& file, const std::string& place) {
       "1000)");
 }
 
+void take_size(const Size& image, CameraFile& file) {
+  if (file.left.width > 0) return;
+  file.left.width = file.right.width = image.width;
+  file.left.height = file.right.height = image.height;
+  if (file.rectified) return;
+  file.notes.push_back("the calibration does not say the size of its images: that of the first one is taken");
+}
+
 CameraFile read_own_camera_file(const std::filesystem::path& path) {
   YamlFile yaml(path);
   use_camera_keys(yaml);

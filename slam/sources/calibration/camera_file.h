@@ -36,6 +36,11 @@ CameraFile read_own_camera_file(const std::filesystem::path& path);
 // what the file does not say is noted.
 void take_for_rgbd(CameraFile& file, const std::string& place);
 
+// Whether the size of the images must be known, to rectify them, and the file does not say it, as OpenCV's.
+inline bool lacks_size(const CameraFile& file) { return !file.rectified && file.left.width == 0; }
+// Takes that of the images where the file does not say it; of raw cameras that is noted.
+void take_size(const Size& image, CameraFile& file);
+
 // What a recording needs to know about it; an undistorted or rectified pair where the images are not.
 // Throws InputError as rectify_stereo and undistort do.
 struct RecordedCamera {

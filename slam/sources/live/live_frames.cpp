@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "nn/base/error.h"
-#include "slam/sources/depth_levels.h"
+#include "nn/image/levels.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-// The camera for images of this size.
-CameraFile fitted(CameraFile camera, const FrameStream& stream, const std::string& name) {
+// The camera, if the stream's images are its.
+const CameraFile& checked(const CameraFile& camera, const FrameStream& stream, const std::string& name) {
   if (camera.sensor != stream.sensor()) {
     const auto text = [](Sensor sensor) {
       return sensor == Sensor::rgbd ? "a camera with depth" : "two cameras";
@@ -23,10 +23,6 @@ CameraFile fitted(CameraFile camera, const FrameStream& stream, const std::strin
                      text(stream.sensor()));
   }
   const Size size = stream.size();
-  if (camera.left.width == 0) {
-    camera.left.width = camera.right.width = size.width;
-    camera.left.height = camera.right.height = size.height;
-  }
   if (camera.left.width != size.width || camera.left.height != size.height) {
     throw InputError(
         name,
@@ -44,7 +40,7 @@ LiveFrames::LiveFrames(FrameStream& stream, ByteInput& input, const CameraFile& 
       input_(input),
       settings_(settings),
       depth_factor_(camera.depth_factor),
-      camera_(make_camera(fitted(camera, stream, input.name()))),
+      camera_(make_camera(checked(camera, stream, input.name()))),
       thread_([this] { run(); }) {}
 
 LiveFrames::~LiveFrames() {
