@@ -88,9 +88,11 @@ img { max-width: 100%; }
 figcaption { font-weight: bold; }
 </style>
 <h1>People before the camera</h1>
-<p>Paths against the true ones, from above. Features of the frame, of the second half's,
-with the most on people: green, of the map;
-red, left out; yellow, others.</p>
+<p>Each row is a preset and what leaves moving points out: dbscan, the clusters in people's boxes alone;
+static-boxes, the static-point constraint alone; static-paper, both as the paper writes them; static-points,
+both with the project's own thresholds.</p>
+<p>Paths against the true ones, from above. Features of the frame, of the second half's, with the most on people:
+green, of the map; red, left out; yellow, others.</p>
 )" + html_of(table);
   for (const AblationCell& cell : cells) {
     page += fmt::format(

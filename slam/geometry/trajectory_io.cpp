@@ -220,11 +220,6 @@ Trajectory read_tartanair_trajectory(const std::filesystem::path& path, Notes* n
   }
   say_all(notes, table);
   say_unequal(notes, table.path, unequal, trajectory.size());
-  say(notes,
-      fmt::format(
-          "{}: 7 numbers a line are taken as TartanAir's tx ty tz qx qy qz qw without times, its axes "
-          "(x forward, y right, z down) as they are: RPE and drift compare only with poses of the same axes",
-          table.path));
   return trajectory;
 }
 
@@ -261,7 +256,13 @@ Trajectory read_trajectory(const std::filesystem::path& path, TrajectoryFormat f
     case TrajectoryFormat::tartanair:
       break;
   }
-  return read_tartanair_trajectory(path, notes);
+  Trajectory trajectory = read_tartanair_trajectory(path, notes);
+  say(notes,
+      fmt::format(
+          "{}: 7 numbers a line are taken as TartanAir's tx ty tz qx qy qz qw without times, its axes "
+          "(x forward, y right, z down) as they are: RPE and drift compare only with poses of the same axes",
+          path.string()));
+  return trajectory;
 }
 
 TrajectoryFormat detect_trajectory_format(const std::filesystem::path& path) {

@@ -96,6 +96,18 @@ Trajectory truth_of_pairs(const PairedFolders& folders, const ImagePairs& images
   return truth;
 }
 
+void note_other_size(const fs::path& image, PairedFolders& folders) {
+  if (!folders.made_for) return;
+  const Size expected = *folders.made_for;
+  const nn::ImageInfo found = nn::read_image_info(image);
+  if (Size{found.width, found.height} == expected) return;
+  folders.notes.push_back(fmt::format(
+      "{}: its camera is that of images of {} x {} pixels, {} has {} x {}: the trajectory is wrong if "
+      "another "
+      "camera took these (put them as a folder of your own images, with its calibration: docs/datasets.md)",
+      folders.name, expected.width, expected.height, image.string(), found.width, found.height));
+}
+
 // Names that are times with a varying number of decimals (12.5, 12.25) do not stand in the order of time.
 void sort_by_time(Recording& recording) {
   const auto is_earlier = [](const auto& a, const auto& b) { return a.timestamp < b.timestamp; };
@@ -112,6 +124,7 @@ std::unique_ptr<StereoDataset> open_paired_folders(PairedFolders folders, const 
     const nn::ImageInfo first = nn::read_image_info(images.first[images.pairs.front().first].path);
     take_size({first.width / (folders.side_by_side ? 2 : 1), first.height}, folders.camera);
   }
+  note_other_size(images.first[images.pairs.front().first].path, folders);
   const RecordedCamera camera = make_camera(folders.camera);
 
   Recording recording;

@@ -27,11 +27,12 @@ struct PairedFolders {
   std::filesystem::path first, second;  // folders of images
   bool side_by_side = false;            // one folder, of images that show both
   CameraFile camera;
-  ImageLines<double> times;    // seconds; without: in the names, or from the rate
-  std::optional<double> rate;  // Hz, of the layout, where neither times nor the user tell
-  ImageLines<SE3> poses;       // T_wc of the raw left camera
-  Trajectory truth;            // the same with times
-  Trajectory numbered_truth;   // or with the numbers at the end of the images' names as times
+  std::optional<Size> made_for;  // images of another size are read with a warning: `camera` may not be theirs
+  ImageLines<double> times;      // seconds; without: in the names, or from the rate
+  std::optional<double> rate;    // Hz, of the layout, where neither times nor the user tell
+  ImageLines<SE3> poses;         // T_wc of the raw left camera
+  Trajectory truth;              // the same with times
+  Trajectory numbered_truth;     // or with the numbers at the end of the images' names as times
   std::vector<std::string> notes;
 };
 

@@ -122,6 +122,7 @@ PairedFolders tartanair(const fs::path& path, const DatasetOptions&) {
   folders.first = path / "image_left";
   folders.second = path / "image_right";
   folders.camera = pinhole_pair(320.0, 320.0, 320.0, 240.0, 0.25, 0, 0);
+  folders.made_for = Size{640, 480};
   folders.rate = 10.0;
   folders.notes.push_back("TartanAir has no times: 10 frames a second are taken (--rate HZ for another)");
   if (const fs::path file = path / "pose_left.txt"; is_present(file)) {

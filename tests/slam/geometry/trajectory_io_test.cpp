@@ -186,7 +186,7 @@ TEST_F(TrajectoryIo, TartanAirHasNoTimes) {
   Notes notes;
   const std::string text = "1 2 3 0 0 0.70710678 0.70710678\n1 2 3 0 0 0 1\n";
   EXPECT_EQ(detect_trajectory_format(file(text)), TrajectoryFormat::tartanair);
-  const Trajectory read = read_tartanair_trajectory(file(text), &notes);
+  const Trajectory read = read_trajectory(file(text), TrajectoryFormat::tartanair, &notes);
   EXPECT_EQ(read[1].timestamp, 1.0);
   EXPECT_LT((read[0].T_wc * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), 1e-7);
   ASSERT_EQ(notes.size(), 1U);
