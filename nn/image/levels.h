@@ -5,8 +5,8 @@
 
 namespace penumbra {
 
-// The upper 8 of the `bits` that are used, which lie low; rounded down, as libpng does. Levels beyond them are
-// white.
+// The upper 8 of the `bits` that are used, which lie low; rounded down, as libpng does. Levels beyond them
+// are white.
 ByteImage upper_bits(const WordImage& levels, int bits);
 
 // Depth as sensors store it; `factor`: levels a metre.

@@ -1,5 +1,5 @@
-// Comments are as narrow as the code. clang-format leaves them alone (.clang-format, ReflowComments): where it
-// breaks the line of a table it tears the table.
+// Comments are as narrow as the code. clang-format leaves them alone (.clang-format, ReflowComments): where
+// it breaks the line of a table it tears the table.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -107,8 +107,8 @@ PENUMBRA_INLINE void separate_pairs(Sum (&sum)[R][V]) {
   }
 }
 
-// What Numbers have of the register tile (register_tile.h) beside what they multiply by: by lanes of one pixel, or
-// by pairs of pixels.
+// What Numbers have of the register tile (register_tile.h) beside what they multiply by: by lanes of one
+// pixel, or by pairs of pixels.
 template <class Number>
 struct NumberOfLanes {
   static constexpr bool kPairs = false, kOwnSteps = true;

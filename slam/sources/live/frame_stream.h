@@ -5,7 +5,8 @@
 //   YUV4MPEG2 W1504 H480 F20:1 Ip A1:1 C420jpeg\n        header; C mono, 420 (any), 422, 444, of 8 bits
 //   FRAME\n                                              then Y, and U and V unless mono
 //
-// Colour: nn/image/yuv.h, in full range where the header says so (XCOLORRANGE=FULL, or else C420jpeg and mono).
+// Colour: nn/image/yuv.h, in full range where the header says so (XCOLORRANGE=FULL, or else C420jpeg and
+// mono).
 //
 // RGB-D, a form of our own for cameras that have depth:
 //

@@ -32,8 +32,8 @@ struct LiveCounts {
 
 class LiveFrames final : public FrameSource {
  public:
-  // `stream` reads from `input`, which is stopped at the end of this object; both must outlive it. `camera` says
-  // its size. Throws InputError where the stream and the camera are of different sensors or sizes.
+  // `stream` reads from `input`, which is stopped at the end of this object; both must outlive it. `camera`
+  // says its size. Throws InputError where the stream and the camera are of different sensors or sizes.
   LiveFrames(FrameStream& stream, ByteInput& input, const CameraFile& camera, const LiveSettings& settings);
   ~LiveFrames() override;
 
