@@ -104,7 +104,8 @@ StereoCamera pair_of(const ProjectionRow& P_left, const ProjectionRow& P_right, 
 
 StereoCamera read_kitti_calibration(const std::filesystem::path& path, int left, int right) {
   const std::map<std::string, Labelled> lines = read_labelled(path);
-  return pair_of(find_projection(lines, path, left), find_projection(lines, path, right), left);
+  const ProjectionRow P_left = find_projection(lines, path, left);
+  return pair_of(P_left, find_projection(lines, path, right), left);
 }
 
 }  // namespace penumbra::slam

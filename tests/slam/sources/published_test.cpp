@@ -116,7 +116,7 @@ TEST_F(Published, TartanAirsPosesLookAheadAlongX) {
   EXPECT_EQ(dataset->camera().baseline, 0.25);
   ASSERT_TRUE(dataset->ground_truth());
   // Its camera is that of images of 640 x 480 pixels; these have 640 x 60.
-  ASSERT_EQ(dataset->notes().size(), 2U);  // 10 frames a second; the size
+  ASSERT_EQ(dataset->notes().size(), 3U);  // 10 frames a second; the size; where that puts the centre
   EXPECT_NE(dataset->notes()[1].find("images of 640 x 480 pixels"), std::string::npos);
   EXPECT_NE(dataset->notes()[1].find("640 x 60"), std::string::npos);
   // 2 m ahead, 0.5 m to the right, 0.25 m down.
