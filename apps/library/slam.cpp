@@ -104,9 +104,7 @@ class Slam::Run {
     const ThreadCountScope threads(settings_.threads);
     const slam::StereoImages images = images_of(frame);
     slam::FrameResult found = slam_->process(images);
-    tell_movement();  // of the frame before, before this one takes its place
-    last_ = {images.timestamp, found.place};
-    last_told_ = found.T_wc;
+    const slam::SE3 T_wc = take_place({images.timestamp, found.place}, found.T_wc);
     if (options_.keeps_trajectory) places_.push_back(last_);
     ++frames_;
     check_->add(images, found);
@@ -114,7 +112,7 @@ class Slam::Run {
     result.frame = found.index;
     result.timestamp = found.timestamp;
     result.state = state_of(found.tracking.state);
-    result.T_world_camera = pose_of(found.T_wc);
+    result.T_world_camera = pose_of(T_wc);
     if (result.state == State::tracking) result.covariance = covariance_of(found.tracking.information);
     result.inliers = found.tracking.map_inliers;
     result.keyframe = found.keyframe;
@@ -127,7 +125,7 @@ class Slam::Run {
 
   void finish() {
     slam_->finish();
-    tell_movement();
+    tell_movement(last_.place.T_wc());  // no other thread writes any more
   }
 
   void save(const std::string& path) {
@@ -203,15 +201,24 @@ class Slam::Run {
     return penumbra::metres_of(cameras().left.nearest(depth_units_of(image, size)), parts().depth_factor);
   }
 
-  // Where the map has moved the newest frame since its pose was told.
-  void tell_movement() {
-    constexpr double kMetres = 0.01, kRadians = 0.0017;
-    if (frames_ == 0 || last_.place.reference == nullptr) return;
-    slam::SE3 now;
+  // The pose of a frame that was just located, in the map as it is now: that may have moved since, by a loop
+  // that this very frame closed. What it moved is told by the frame before, at the same moment of the map.
+  slam::SE3 take_place(const Place& place, const slam::SE3& T_wc_found) {
+    slam::SE3 before, now = T_wc_found;
     {
       const std::shared_lock lock(slam_->map().mutex());
-      now = last_.place.T_wc();
+      before = last_.place.T_wc();
+      if (place.place.reference != nullptr) now = place.place.T_wc();
     }
+    tell_movement(before);
+    last_ = place;
+    last_told_ = now;
+    return now;
+  }
+  // `now`: of the newest frame whose pose was told, T_wc.
+  void tell_movement(const slam::SE3& now) {
+    constexpr double kMetres = 0.01, kRadians = 0.0017;
+    if (frames_ == 0 || last_.place.reference == nullptr) return;
     const slam::SE3 moved = now * last_told_.inverse();
     const bool is_far = (now.translation - last_told_.translation).norm() > kMetres;
     if (!is_far && moved.angle() <= kRadians) return;
@@ -228,7 +235,7 @@ class Slam::Run {
   std::optional<slam::RunCheck> check_;
   std::vector<Place> places_;
   int frames_ = 0;
-  Place last_;           // of the newest frame
+  Place last_;           // of the newest frame; its timestamp counts where it has no place, too
   slam::SE3 last_told_;  // T_wc
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "penumbra/slam.h"
+#include "tests/library/texture.h"
 
 namespace penumbra::test {
 
@@ -16,7 +17,7 @@ class Walls {
   static constexpr int kNear = 30, kFar = 10;  // disparities, pixels
   static constexpr int kStep = 6;              // pixels that the near wall moves by a frame
 
-  Walls() : near_(texture(1)), far_(texture(2)) {}
+  Walls() : near_(wall(1)), far_(wall(2)) {}
 
   static Pinhole camera() { return {kFocal, kFocal, 320.0, 120.0, kWidth, kHeight}; }
   static Rig stereo() { return Rig::stereo(camera(), kBaseline); }
@@ -40,22 +41,8 @@ class Walls {
  private:
   static constexpr int kTexture = 4000;
 
-  // Rectangles of many sizes and greys over each other.
-  static std::vector<std::uint8_t> texture(std::uint64_t seed) {
-    std::vector<std::uint8_t> pixels(std::size_t{kTexture} * kHeight, 128);
-    const auto draw = [&seed](int below) {
-      seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-      return static_cast<int>((seed >> 33) % static_cast<std::uint64_t>(below));
-    };
-    for (int i = 0; i < 40000; ++i) {
-      const int x = draw(kTexture), y = draw(kHeight), w = 3 + draw(12), h = 3 + draw(12), grey = draw(256);
-      for (int v = y; v < y + h && v < kHeight; ++v) {
-        for (int u = x; u < x + w && u < kTexture; ++u)
-          pixels[static_cast<std::size_t>(v) * kTexture + static_cast<std::size_t>(u)] =
-              static_cast<std::uint8_t>(grey);
-      }
-    }
-    return pixels;
+  static std::vector<std::uint8_t> wall(std::uint64_t seed) {
+    return texture(kTexture, kHeight, 40000, seed);
   }
   std::vector<std::uint8_t> view(int x, int eye) const {
     std::vector<std::uint8_t> image;

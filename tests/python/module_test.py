@@ -41,6 +41,28 @@ class Walls:
         return self.wall[:, 130 + 6 * frame : 770 + 6 * frame]
 
 
+class RoundRoom:
+    """A stereo camera that turns to the right on the spot in a round room (tests/library/round_room.h)."""
+
+    def __init__(self):
+        self.wall = texture(2513, 200, 3).astype(np.float64)
+
+    def view(self, yaw, eye):
+        radius, x0, z0 = 8.0, eye * 0.5 * np.cos(yaw), -eye * 0.5 * np.sin(yaw)
+        across = (np.arange(480) - 240) / 400
+        x, z = across * np.cos(yaw) + np.sin(yaw), np.cos(yaw) - across * np.sin(yaw)
+        a, b = x * x + z * z, x0 * x + z0 * z
+        depth = (np.sqrt(b * b + a * (radius**2 - x0**2 - z0**2)) - b) / a
+        column = 2513 * (np.arctan2(x0 + depth * x, z0 + depth * z) / (2 * np.pi) + 0.5)
+        row = 100 + 2513 / (2 * np.pi * radius) * depth * (np.arange(160)[:, None] - 80) / 400
+        c, r = np.floor(column).astype(int), np.floor(row).astype(int)
+        right, below = column - c, row - r
+        pixel = lambda dc, dr: self.wall[r + dr, (c + dc) % 2513]
+        upper = (1 - right) * pixel(0, 0) + right * pixel(1, 0)
+        lower = (1 - right) * pixel(0, 1) + right * pixel(1, 1)
+        return ((1 - below) * upper + below * lower + 0.5).astype(np.uint8)
+
+
 def rig():
     return penumbra.Rig.stereo(fx=500, fy=500, cx=320, cy=120, width=640, height=240, baseline=0.5)
 
@@ -64,6 +86,24 @@ class SlamTest(unittest.TestCase):
         truth = poses.copy()
         truth[:, 0, 3] += 5.0
         self.assertLess(penumbra.evaluate((times, truth), (times, poses))["rmse"], 1e-9)
+
+    def test_tells_how_a_closed_loop_moved_the_map(self):
+        room, told, step = RoundRoom(), [], np.radians(4)
+        seen_as = 1 / 0.98  # turns are measured too large by a focal length that is too short
+        camera = penumbra.Rig.stereo(fx=392, fy=392, cx=240, cy=80, width=480, height=160, baseline=0.5)
+        slam = penumbra.Slam(camera, deterministic=True)
+        slam.on_map_changed(told.append)
+        before = np.eye(4)
+        for frame in range(105):
+            earlier = len(told)
+            found = slam.track(0.1 * frame, room.view(frame * step, 0), room.view(frame * step, 1))
+            for T_new_old in told[earlier:]:
+                before = T_new_old @ before
+            turned = np.linalg.inv(before) @ found.T_world_camera
+            bent = 0.03 if len(told) > earlier else 0.01  # radians, a closed loop between the two frames
+            self.assertAlmostEqual(np.arctan2(turned[0, 2], turned[2, 2]), seen_as * step if frame else 0, delta=bent)
+            before = found.T_world_camera
+        self.assertGreater(max(abs(np.arctan2(T[0, 2], T[2, 2])) for T in told), 0.05)
 
     def test_other_threads_run_meanwhile(self):
         walls, slam, seen = Walls(), penumbra.Slam(rig()), []

@@ -100,7 +100,7 @@ struct TrackResult {
   int frame = 0;           // counted from 0
   double timestamp = 0.0;  // seconds
   State state = State::initialising;
-  Pose T_world_camera = {};
+  Pose T_world_camera = {};  // in the map as it is when track() returns
   // Of a small motion of the camera in its own frame (metres along x, y, z, radians about them), row by row,
   // as if map points were known exactly. Empty unless tracking in the map.
   std::optional<std::array<double, 36>> covariance = std::nullopt;
