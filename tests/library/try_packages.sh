@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Tries what `./run package` has made where nothing of the build is seen: an empty Debian (debootstrap), in which the .deb
-# is installed, used and removed, and the static program runs; an empty Python environment for the wheel.
+# is installed, used and removed, and the static program runs; qemu's emulation of ARM's processors; an empty Python
+# environment for the wheel.
 #   try_packages.sh FOLDER        as root, with access to Debian's packages
 set -euo pipefail
 source=$(cd "$(dirname "$0")/../.." && pwd)
@@ -10,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 fail() { echo "try_packages: $*" >&2; exit 1; }
 say() { printf '== %s\n' "$*" >&2; }
 
-deb=$(ls "$folder"/*.deb) tarball=$(ls "$folder"/*-static.tar.gz)
+deb=$(ls "$folder"/*.deb) tarball=$(ls "$folder"/*-"$(uname -m)"-static.tar.gz)
 root=$work/debian
 # shellcheck source=/dev/null
 . /etc/os-release
@@ -24,6 +25,27 @@ inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive PATH=/usr/sbin:/usr
 say "The static program in it"
 tar -xzf "$tarball" -C "$root/root"
 inside bash -c '/root/penumbra-*/penumbra --version' || fail "the static program does not run"
+
+if [[ $(uname -m) == x86_64 ]] && arm=$(ls "$folder"/*-aarch64-static.tar.gz 2>/dev/null); then
+  say "The static program for ARM, on qemu's emulation of a processor, beside this machine's"
+  mkdir "$work/arm" "$work/native"
+  tar -xzf "$arm" -C "$work/arm" --strip-components 1
+  tar -xzf "$tarball" -C "$work/native" --strip-components 1
+  "$work/native/penumbra" synth --frames 12 --size 310x94 --out "$work/street" >/dev/null
+  for name in arm native; do
+    program=("$work/$name/penumbra")
+    [[ $name == native ]] || program=(qemu-aarch64 -cpu cortex-a76 "${program[@]}")
+    "${program[@]}" --version
+    "${program[@]}" slam "$work/street" --deterministic --out "$work/$name/run" >/dev/null
+    "${program[@]}" eval --groundtruth "$work/street/poses/00.txt" --estimate "$work/$name/run/trajectory_kitti.txt" --json >"$work/$name/error.json"
+  done
+  python3 - "$work"/{arm,native}/error.json <<'PYTHON' || fail "ARM finds another path"
+import json, sys
+arm, native = (json.load(open(path))["ape_m"]["rmse"] for path in sys.argv[1:])
+print(f"error of the path: {arm:.4f} m on ARM, {native:.4f} m here")
+sys.exit(abs(arm - native) > 0.01)
+PYTHON
+fi
 
 say "The .deb in it"
 find "$root" -xdev -path "$root/root" -prune -o -path "$root/var" -prune -o -type f -print | sort >"$work/before"
