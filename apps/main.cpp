@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
   penumbra::apps::add_report_command(app);
   penumbra::apps::add_export_command(app);
   penumbra::apps::add_merge_command(app);
+  penumbra::apps::add_fleet_command(app);
   penumbra::apps::add_ablate_command(app);
   penumbra::apps::add_eval_command(app);
   penumbra::apps::add_match_eval_command(app);

@@ -12,6 +12,8 @@ namespace {
 
 std::string remembered_line;
 
+}  // namespace
+
 std::string in_shell_quotes(std::string_view word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
@@ -24,8 +26,6 @@ std::string in_shell_quotes(std::string_view word) {
   quoted += '\'';
   return quoted;
 }
-
-}  // namespace
 
 void remember_command_line(int argc, const char* const* argv) {
   constexpr std::size_t kLongestWord = 4096;

@@ -14,6 +14,7 @@ void add_synth_command(CLI::App& app);         // render a synthetic drive
 void add_report_command(CLI::App& app);        // a run as one page to look at
 void add_export_command(CLI::App& app);        // a run for other programs
 void add_merge_command(CLI::App& app);         // many maps to one
+void add_fleet_command(CLI::App& app);         // many recordings to one map, on a cluster
 void add_ablate_command(CLI::App& app);        // what masks and filters are worth
 void add_eval_masks_command(CLI::App& app);    // compare masks from depth with exact ones
 void add_eval_command(CLI::App& app);          // compare a trajectory with the ground truth

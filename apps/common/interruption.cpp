@@ -9,7 +9,9 @@ namespace penumbra::apps {
 
 namespace {
 
-constexpr long kTogether = 3000;  // milliseconds: a second signal so soon means it
+// Milliseconds. A second signal so soon means it, unless it is the same one: a terminal or a batch system
+// signals every process of a group, and the script among them passes it on.
+constexpr long kTogether = 3000, kSame = 250;
 
 std::atomic<int> signal_seen{0};
 std::atomic<long> seen_at{0};  // milliseconds
@@ -20,9 +22,11 @@ void note(int signal) {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   const long milliseconds = 1000 * now.tv_sec + now.tv_nsec / 1000000;
-  const bool again = signal_seen.exchange(signal) != 0 && milliseconds - seen_at.load() < kTogether;
+  const long since = milliseconds - seen_at.load();
+  const bool is_first = signal_seen.exchange(signal) == 0;
+  if (!is_first && since < kSame) return;
   seen_at.store(milliseconds);
-  if (!again) return;
+  if (is_first || since >= kTogether) return;
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }

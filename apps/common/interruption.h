@@ -5,9 +5,9 @@
 //   while (work is left) { if (Interruption::requested()) break; ... }
 //   write what is there
 //
-// While it lives the first signal only sets a flag; a second one within 3 s ends the process at once. A pipe
-// that nobody reads any more (`penumbra ... | head`) does not end the process either. Under `nohup` SIGHUP
-// stays ignored. One at a time.
+// While it lives the first signal only sets a flag; a second one within 3 s ends the process at once, but not
+// within 0.25 s, for it may be the same one, passed on by a script. A pipe that nobody reads any more
+// (`penumbra ... | head`) does not end the process either. Under `nohup` SIGHUP stays ignored. One at a time.
 #pragma once
 
 #include <array>

@@ -92,12 +92,12 @@ std::vector<Example> all_examples() {
   const auto add = [&](const std::vector<Example>& more) { all.insert(all.end(), more.begin(), more.end()); };
   for (const fs::path& document : documents)
     add(examples_in(document, fs::relative(document, source_path("")).string()));
-  for (const char* command :
-       {"slam",          "segment",    "classify", "synth",           "report",
-        "export",        "ablate",     "eval",     "match-eval",      "eval-loops",
-        "eval-coco",     "convert",    "info",     "calibrate",       "bench slam",
-        "bench network", "bench conv", "brain",    "brain landmarks", "brain train-grid",
-        "bench brain"}) {
+  for (const char* command : {"slam",        "segment",    "classify",        "synth",
+                              "report",      "export",     "ablate",          "eval",
+                              "match-eval",  "eval-loops", "eval-coco",       "convert",
+                              "info",        "calibrate",  "bench slam",      "bench network",
+                              "bench conv",  "brain",      "brain landmarks", "brain train-grid",
+                              "bench brain", "fleet plan", "fleet report",    "merge"}) {
     add(examples_of_help(command));
   }
   return all;

@@ -94,6 +94,9 @@ cp monday.map tuesday.map
 mkdir night
 cp monday.map night/a.map
 cp monday.map night/b.map
+printf 'a ../monday -\nb ../tuesday - --frames 0:3\n' > night/manifest.txt
+"$penumbra" fleet plan night/manifest.txt --out out/night --program "$penumbra" >/dev/null
+out/night/here.sh >/dev/null 2>&1
 
 # A run, its pictures as photographs, and results under the names that other examples write.
 "$penumbra" slam kitti --sequence 00 --save-map out/00.map --out out/00 >/dev/null 2>&1

@@ -186,8 +186,8 @@ TEST(LibrarySlam, AMapIsSavedAndFoundAgain) {
   std::filesystem::remove(file);
 }
 
-// With a focal length that is 2 % too short, once round seems more than once round, until the camera sees again
-// where it began: the loop is closed, and what was placed near the camera has to move along.
+// With a focal length that is 2 % too short, once round seems more than once round, until the camera sees
+// again where it began: the loop is closed, and what was placed near the camera has to move along.
 TEST(LibrarySlam, TellsHowAClosedLoopMovedTheMap) {
   constexpr double kStep = 4.0 * std::numbers::pi / 180;
   constexpr int kRound = 90;

@@ -1,0 +1,52 @@
+#include "apps/fleet/plan.h"
+
+#include <fmt/format.h>
+
+#include "apps/common/command_line.h"
+#include "apps/view/embedded_files.h"
+#include "nn/base/file.h"
+
+namespace penumbra::apps {
+
+namespace {
+
+std::string settings_of(const FleetPlan& plan) {
+  std::string all;
+  for (const std::string& option : plan.sbatch) all += in_shell_quotes(option) + ' ';
+  if (!all.empty()) all.pop_back();
+  return fmt::format(
+      "# Written by `penumbra fleet plan`; what is changed here counts from the next job on.\n"
+      "penumbra={}\n"
+      "# Options of sbatch: of every job, of a recording's, of the merge's.\n"
+      "all_options=({})\n"
+      "recording_options=(--cpus-per-task={} --mem={} --time={})\n"
+      "merge_options=(--cpus-per-task={} --mem={} --time={})\n"
+      "at_once={} # recordings at the same time; 0: as many as there is place for\n",
+      in_shell_quotes(plan.program), all, plan.processors, plan.memory_mb, in_shell_quotes(plan.time),
+      plan.processors, plan.merge_memory_mb, in_shell_quotes(plan.time), plan.at_once);
+}
+
+}  // namespace
+
+void write_fleet_plan(const std::filesystem::path& folder, const FleetPlan& plan) {
+  nn::make_writable_folder(folder);
+  std::string jobs;
+  for (const FleetRecording& recording : plan.recordings) {
+    jobs += fmt::format("{}\t{}\t", recording.name, plan.folder.string());
+    for (const std::string& word : recording.arguments) jobs += in_shell_quotes(word) + ' ';
+    jobs.back() = '\n';
+  }
+  nn::write_file(folder / "jobs.tsv", jobs);
+  nn::write_file(folder / "settings.sh", settings_of(plan));
+  const std::pair<const char*, std::string_view> scripts[] = {{"step.sh", embedded::fleet_step_sh()},
+                                                              {"submit.sh", embedded::fleet_submit_sh()},
+                                                              {"here.sh", embedded::fleet_here_sh()}};
+  for (const auto& [name, text] : scripts) {
+    nn::write_file(folder / name, text);
+    using enum std::filesystem::perms;
+    std::filesystem::permissions(folder / name, owner_exec | group_exec | others_exec,
+                                 std::filesystem::perm_options::add);
+  }
+}
+
+}  // namespace penumbra::apps
