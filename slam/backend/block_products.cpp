@@ -7,6 +7,7 @@ namespace penumbra::slam {
 namespace {
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
+using Matrix66 = Eigen::Matrix<double, 6, 6>;
 using FourNumbers [[gnu::vector_size(32)]] = double;
 using TwoNumbers [[gnu::vector_size(16)]] = double;
 
@@ -36,6 +37,45 @@ using TwoNumbers [[gnu::vector_size(16)]] = double;
   }
 }
 
+[[gnu::always_inline]] inline void subtract_all(Matrix66* factor, std::size_t first, std::size_t end,
+                                                const int* rows, const std::size_t* place) {
+  const Matrix66 right = factor[first];
+  for (std::size_t b = first; b < end; ++b) {
+    FourNumbers upper[6];
+    TwoNumbers lower[6];
+    const double* left = factor[b].data();
+    for (int k = 0; k < 6; ++k) {
+      std::memcpy(&upper[k], left + 6 * k, sizeof upper[k]);
+      std::memcpy(&lower[k], left + 6 * k + 4, sizeof lower[k]);
+    }
+    double* column = factor[place[rows[b]]].data();
+    for (int c = 0; c < 6; ++c, column += 6) {
+      FourNumbers first_four = upper[0] * right(c, 0);
+      TwoNumbers last_two = lower[0] * right(c, 0);
+      for (int k = 1; k < 6; ++k) {
+        first_four += upper[k] * right(c, k);
+        last_two += lower[k] * right(c, k);
+      }
+      FourNumbers four;
+      TwoNumbers two;
+      std::memcpy(&four, column, sizeof four);
+      std::memcpy(&two, column + 4, sizeof two);
+      four -= first_four;
+      two -= last_two;
+      std::memcpy(column, &four, sizeof four);
+      std::memcpy(column + 4, &two, sizeof two);
+    }
+  }
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx")]]
+#endif
+void subtract_all_with_avx(Matrix66* factor, std::size_t first, std::size_t end, const int* rows,
+                           const std::size_t* place) {
+  subtract_all(factor, first, end, rows, place);
+}
+
 #if defined(__x86_64__)
 [[gnu::target("avx")]]
 #endif
@@ -52,6 +92,15 @@ void subtract_products(const DenseBlocks& blocks, int a, const Matrix63& Y, cons
     subtract_with_avx(blocks, a, Y, W, slots);
   } else {
     subtract(blocks, a, Y, W, slots);
+  }
+}
+
+void subtract_outer(Matrix66* factor, std::size_t first, std::size_t end, const int* rows,
+                    const std::size_t* place, bool with_avx) {
+  if (with_avx) {
+    subtract_all_with_avx(factor, first, end, rows, place);
+  } else {
+    subtract_all(factor, first, end, rows, place);
   }
 }
 

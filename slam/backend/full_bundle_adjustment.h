@@ -11,8 +11,9 @@
 // The numbers are copied out of the map, adjusted, and copied back, so that a thread may adjust while the map
 // grows: solve() touches no map. Keyframes that were added meanwhile move along (newcomers.h).
 // What is stopped half-way can be applied, for no iteration makes the errors larger; but no observation
-// leaves the map for it, since what does not fit yet may fit in the end. Cost: about 1 s an iteration for 500
-// keyframes and 60000 points.
+// leaves the map for it, since what does not fit yet may fit in the end. Cost: linear in
+// the observations, and the factor of the poses (block_cholesky.h): 0.2 s an iteration for 900 keyframes
+// along a street that is driven three times.
 #pragma once
 
 #include <atomic>

@@ -12,7 +12,6 @@ ReducedCameraSystem::ReducedCameraSystem(int poses, std::vector<std::vector<int>
     return;
   }
   columns_.resize(static_cast<std::size_t>(poses));
-  std::vector<Eigen::Triplet<double>> entries;
   first_block_.assign(1, 0);
   for (int a = 0; a < poses; ++a) {
     std::vector<int>& row = columns_[static_cast<std::size_t>(a)];
@@ -20,30 +19,10 @@ ReducedCameraSystem::ReducedCameraSystem(int poses, std::vector<std::vector<int>
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
     first_block_.push_back(first_block_.back() + static_cast<int>(row.size()));
-    for (const int b : row) {
-      for (int c = 0; c < 6; ++c) {
-        // Of a diagonal block the upper triangle alone.
-        for (int r = 0; r <= (a == b ? c : 5); ++r) entries.emplace_back(6 * a + r, 6 * b + c, 1.0);
-      }
-    }
   }
   blocks_.assign(static_cast<std::size_t>(parts),
                  std::vector<Matrix6d>(static_cast<std::size_t>(first_block_.back())));
-  matrix_.resize(6 * poses, 6 * poses);
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  cholesky_.analyzePattern(matrix_);
-  // A block's rows lie one after the other in each of its columns.
-  value_of_block_.reserve(6 * static_cast<std::size_t>(first_block_.back()));
-  for (int a = 0; a < poses; ++a) {
-    for (const int b : columns_[static_cast<std::size_t>(a)]) {
-      for (int c = 0; c < 6; ++c) {
-        const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[6 * b + c];
-        const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[6 * b + c + 1];
-        value_of_block_.push_back(
-            static_cast<int>(std::lower_bound(begin, end, 6 * a) - matrix_.innerIndexPtr()));
-      }
-    }
-  }
+  cholesky_ = BlockCholesky(columns_);
 }
 
 void ReducedCameraSystem::set_zero(int part) {
@@ -72,18 +51,7 @@ bool ReducedCameraSystem::factorise() {
   for (std::size_t p = 1; p < blocks_.size(); ++p) {
     for (std::size_t b = 0; b < blocks_[p].size(); ++b) blocks_.front()[b] += blocks_[p][b];
   }
-  std::size_t block = 0, value = 0;
-  for (int a = 0; a < poses_; ++a) {
-    for (const int b : columns_[static_cast<std::size_t>(a)]) {
-      for (int c = 0; c < 6; ++c) {
-        double* values = matrix_.valuePtr() + value_of_block_[value++];
-        for (int r = 0; r <= (a == b ? c : 5); ++r) values[r] = blocks_.front()[block](r, c);
-      }
-      ++block;
-    }
-  }
-  cholesky_.factorize(matrix_);
-  return cholesky_.info() == Eigen::Success;
+  return cholesky_.factorise(blocks_.front());
 }
 
 Eigen::VectorXd ReducedCameraSystem::solve(const Eigen::VectorXd& right) const {

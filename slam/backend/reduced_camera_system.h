@@ -3,8 +3,8 @@
 //
 // In a local window everybody sees everything: S is stored and factorised densely. Along a drive a keyframe
 // shares points with a few dozen others: beyond kDensePoses poses only the blocks that occur are stored, and
-// the factor is Eigen's sparse Cholesky with a fill-reducing order (AMD), found once. Cost for n poses with a
-// band of m blocks: O(n m^2) instead of O(n^3); memory O(n m) instead of O(n^2).
+// the factor is sparse, too (block_cholesky.h). Cost for n poses with a band of m blocks: O(n m^2) instead of
+// O(n^3); memory O(n m) instead of O(n^2).
 //
 // S is a sum over points. Several threads can form it, each its own part; the parts are added in their order,
 // so that the result does not depend on who was first.
@@ -13,9 +13,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
 #include <vector>
 
+#include "slam/backend/block_cholesky.h"
 #include "slam/geometry/se3.h"
 
 namespace penumbra::slam {
@@ -46,9 +46,7 @@ class ReducedCameraSystem {
   std::vector<std::vector<int>> columns_;      // per row, ascending
   std::vector<int> first_block_;               // per row, its first block in blocks_
   std::vector<std::vector<Matrix6d>> blocks_;  // per part
-  Eigen::SparseMatrix<double> matrix_;         // upper triangle, by columns
-  std::vector<int> value_of_block_;  // per block and column of it, where its values begin in matrix_
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper> cholesky_;
+  BlockCholesky cholesky_;
 };
 
 }  // namespace penumbra::slam
