@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
@@ -14,6 +15,7 @@
 #include "nn/base/error.h"
 #include "nn/image/image_file.h"
 #include "slam/evaluation/dense_evaluation.h"
+#include "slam/evaluation/plan_evaluation.h"
 #include "slam/geometry/association.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/sources/open_dataset.h"
@@ -26,9 +28,13 @@ constexpr const char* kEvalDenseExamples = R"(Examples:
   penumbra synth --scene office --preset walking-xyz --frames 300 --out out/office
   penumbra slam out/office --dense --masks out/office/instances --out out/office_slam
   penumbra eval-dense out/office_slam --truth out/office
+  penumbra synth --path block --size 1240x376 --out out/street
+  penumbra slam out/street --dense --masks out/street/sequences/00/instances --out out/street_slam
+  penumbra eval-dense out/street_slam --truth out/street
 
-Per voxel of dense.ply the distance to the nearest surface that stands there in truth; which share of those surfaces the
-map has; which share of it is left of people and of things that moved. docs/evaluation.md says how it is counted.)";
+Of an office, per voxel of dense.ply the distance to the nearest surface that stands there in truth; which share of those
+surfaces the map has; which share of it is left of people and of things that moved. Of both, which of the plan's cells are
+right. docs/evaluation.md says how it is counted.)";
 
 struct EvalDenseOptions {
   std::string run, truth;
@@ -93,23 +99,15 @@ slam::DenseTruth read_truth(const EvalDenseOptions& options) {
   return truth;
 }
 
-void run_eval_dense(const EvalDenseOptions& options) {
-  const slam::DenseCloud map = slam::read_dense_ply(std::filesystem::path(options.run) / "dense.ply");
-  const slam::DenseTruth truth = read_truth(options);
-  const slam::DenseScore score = truth.score(map, place_of_map(options));
-  if (options.json) {
-    nlohmann::ordered_json json;
-    json["voxels"] = score.voxels;
-    json["truth_voxels"] = score.truth_voxels;
-    json["median_error_m"] = score.median_error;
-    json["p95_error_m"] = score.p95_error;
-    json["median_error_at_3m_m"] = score.median_error_at_3m;
-    json["completeness"] = score.completeness;
-    json["ghosts"] = score.ghosts;
-    json["people"] = score.people;
-    fmt::print("{}\n", json.dump(2));
-    return;
+// The plan of the truth; nothing where there is none, as in recordings of earlier versions.
+std::optional<slam::OccupancyGrid> true_plan(const std::filesystem::path& truth) {
+  for (const char* name : {"plan.yaml", "sequences/00/plan.yaml"}) {
+    if (std::filesystem::exists(truth / name)) return slam::read_occupancy(truth / name);
   }
+  return std::nullopt;
+}
+
+void tell(const slam::DenseScore& score) {
   fmt::print("{} voxels; median error {:.1f} mm, at 3 m {:.1f} mm, 95 % below {:.1f} mm\n", score.voxels,
              1e3 * score.median_error, 1e3 * score.median_error_at_3m, 1e3 * score.p95_error);
   fmt::print(
@@ -118,15 +116,67 @@ void run_eval_dense(const EvalDenseOptions& options) {
       100.0 * score.completeness, 100.0 * score.people, 100.0 * (score.ghosts - score.people));
 }
 
+void tell(const slam::PlanScore& score) {
+  fmt::print("plan: {:.0f} m2 free, {:.2f} % of them rightly, {:.2f} % but for the rim of obstacles\n",
+             score.free_square_metres, 100.0 * score.free_right, 100.0 * score.free_near);
+  fmt::print(
+      "plan: {:.0f} m2 blocked, {:.2f} % of them within a cell of an obstacle; {:.2f} % of the obstacles "
+      "beside free cells are in it\n",
+      score.blocked_square_metres, 100.0 * score.blocked_right, 100.0 * score.obstacles);
+}
+
+nlohmann::ordered_json json_of(const slam::DenseScore& score) {
+  nlohmann::ordered_json json;
+  json["voxels"] = score.voxels;
+  json["truth_voxels"] = score.truth_voxels;
+  json["median_error_m"] = score.median_error;
+  json["p95_error_m"] = score.p95_error;
+  json["median_error_at_3m_m"] = score.median_error_at_3m;
+  json["completeness"] = score.completeness;
+  json["ghosts"] = score.ghosts;
+  json["people"] = score.people;
+  return json;
+}
+
+nlohmann::ordered_json json_of(const slam::PlanScore& score) {
+  return {{"free_m2", score.free_square_metres},          {"free_right", score.free_right},
+          {"free_but_for_rims", score.free_near},         {"blocked_m2", score.blocked_square_metres},
+          {"blocked_within_a_cell", score.blocked_right}, {"obstacles_within_a_cell", score.obstacles}};
+}
+
+void run_eval_dense(const EvalDenseOptions& options) {
+  const std::filesystem::path run = options.run, truth = options.truth;
+  const slam::DenseCloud map = slam::read_dense_ply(run / "dense.ply");
+  std::optional<slam::DenseScore> voxels;
+  if (!std::filesystem::is_directory(truth / "sequences"))  // of stereo drives the plan is judged alone
+    voxels = read_truth(options).score(map, place_of_map(options));
+  std::optional<slam::PlanScore> plan;
+  const std::optional<slam::OccupancyGrid> cells = true_plan(truth);
+  if (cells && std::filesystem::exists(run / "plan.yaml"))
+    plan = slam::score_plan(slam::read_occupancy(run / "plan.yaml"), *cells);
+  if (!voxels && !plan) {
+    throw InputError(cells ? options.run : options.truth,
+                     "plan.yaml, as `penumbra slam --dense` and `penumbra synth` write it", "none");
+  }
+  if (options.json) {
+    nlohmann::ordered_json json = voxels ? json_of(*voxels) : nlohmann::ordered_json::object();
+    if (plan) json["plan"] = json_of(*plan);
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  if (voxels) tell(*voxels);
+  if (plan) tell(*plan);
+}
+
 }  // namespace
 
 void add_eval_dense_command(CLI::App& app) {
   const auto options = std::make_shared<EvalDenseOptions>();
-  CLI::App* command =
-      app.add_subcommand("eval-dense", "Compare a run's dense map with the truth of a made office");
+  CLI::App* command = app.add_subcommand(
+      "eval-dense", "Compare a run's dense map and plan with the truth of a made recording");
   command->footer(kEvalDenseExamples);
   command->add_option("run", options->run, "folder that `penumbra slam --dense --out` wrote")->required();
-  command->add_option("--truth", options->truth, "the recording, from `penumbra synth --scene office`")
+  command->add_option("--truth", options->truth, "the recording, from `penumbra synth`")
       ->required()
       ->type_name("DIR");
   command->add_option("--farthest", options->farthest, "metres from a camera beyond which nothing counts")

@@ -81,6 +81,7 @@ void FrameLoop::run(const ResultPlaces& places) {
     }
   }
   run_.input_times.merge(frames.take_times());
+  if (dense_ != nullptr) run_.dense_times.merge(dense_->take_times());
   sum_up();
 }
 

@@ -24,6 +24,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam V1_01_easy --out out/V1_01                    EuRoC: the folder with mav0/
   penumbra slam rgbd_dataset_freiburg1_xyz --out out/xyz      TUM RGB-D
   penumbra slam rgbd_dataset_freiburg1_xyz --dense --out out/xyz   and what it saw as a dense map and a plan of the floor
+  penumbra slam kitti --sequence 06 --dense --grid-resolution 0.25 --out out/06   the same from pairs of images
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics depth-clusters --out out/people
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics static-points --out out/standing
   ffmpeg -i stereo.mp4 -f yuv4mpegpipe - | penumbra slam - --camera rig.yaml --every-frame --out out/film   images side by side
@@ -207,9 +208,17 @@ void add_slam_command(CLI::App& app) {
                    "file with settings of the pipeline (docs/slam/settings.md); options given beside it win")
       ->check(CLI::ExistingFile)
       ->type_name("FILE");
-  command->add_flag("--dense", options->dense,
-                    "of RGB-D: write what stands as coloured voxels with classes (dense.ply, dense.pcd) and "
-                    "as a plan of the floor (plan.pgm, plan.yaml)");
+  CLI::Option* dense = command->add_flag(
+      "--dense", options->dense,
+      "write what stands as coloured voxels with classes (dense.ply, dense.pcd) and as a plan of the floor "
+      "(plan.pgm, plan.yaml) for robots: from the depth images, or from the pairs by semi-global matching");
+  command
+      ->add_option("--grid-resolution", options->grid_resolution,
+                   "side of the plan's cells; of pairs the voxels are half of it (default: 0.05 m, of pairs "
+                   "0.4 baselines, rounded)")
+      ->check(number_from(0.001, 100.0, "metres from 0.001 to 100"))
+      ->needs(dense)
+      ->type_name("METRES");
   add_isa_option(command);
   command->add_flag("--deterministic", options->deterministic,
                     "mapping in line with tracking: results repeat bit for bit");

@@ -102,6 +102,7 @@ slam::SlamSettings make_settings(const SlamOptions& options) {
   if (says("--localise")) settings.localise = options.localise;
   if (says("--threads")) settings.threads = options.threads;
   if (says("--segmentation-threads")) settings.semantics.threads = options.segmentation_threads;
+  if (says("--grid-resolution")) settings.dense.plan.cell = options.grid_resolution;
   if (says("--deterministic")) settings.deterministic = options.deterministic;
   return settings;
 }
@@ -114,9 +115,6 @@ void run_slam(const SlamOptions& options) {
   SlamRun run;
   FrameInput input(options);
   const slam::StereoDataset& dataset = input.dataset();
-  if (options.dense && dataset.sensor() != slam::Sensor::rgbd) {
-    throw UsageError(fmt::format("--dense needs images with depth, and {} has none", dataset.name()));
-  }
   run.dataset = dataset.name();
   for (const std::string& note : dataset.notes()) log_warning("{}: {}", options.dataset.folder, note);
   run.warnings = dataset.notes();

@@ -30,6 +30,7 @@ struct SlamOptions {
   std::string poses;                    // where poses go as they are found; empty: nowhere
   std::optional<double> least_score;
   double least_sharpness = 0.0;
+  double grid_resolution = 0.0;  // metres; 0: by the camera
   bool deterministic = false, localise = false, dense = false, profile = false;
   int features = 0, threads = thread_count(), segmentation_threads = 0;
   double checkpoint = 60.0;      // seconds between two; 0: none

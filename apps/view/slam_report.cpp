@@ -250,15 +250,17 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
   const double frames = static_cast<double>(std::max<std::size_t>(record.results().size(), 1));
   json["cpu_ms_per_frame"] = to_a_thousandth(1000.0 * run.cpu_seconds / frames);
+  StageTimer tracking = run.dense_times;
+  tracking.merge(record.slam().timer());
   StageTimer times = run.input_times;
-  times.merge(record.slam().timer());
+  times.merge(tracking);
   json["processor_ms"] = processor_report(times.processor(), run.cpu_seconds, record.results().size());
   json["peak_rss_mb"] = to_a_thousandth(run.peak_rss_mb);
-  for (const auto& [stage, times] : record.slam().timer().stages()) {
-    const double median = to_a_thousandth(quantile_of(times.values(), 0.5));
+  for (const auto& [stage, spent] : tracking.stages()) {
+    const double median = to_a_thousandth(quantile_of(spent.values(), 0.5));
     if (stage == "frame") {
       json["median_ms"] = median;
-      json["p95_ms"] = to_a_thousandth(quantile_of(times.values(), 0.95));
+      json["p95_ms"] = to_a_thousandth(quantile_of(spent.values(), 0.95));
     } else {
       json["stages"][stage] = median;
     }

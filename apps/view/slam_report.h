@@ -19,6 +19,7 @@ struct SlamRun {
   std::size_t peak_arena_bytes = 0;  // of the network's activations
   double cpu_seconds = 0.0;          // of all threads, from the first frame to the finished map
   StageTimer input_times;            // of the thread that reads the images
+  StageTimer dense_times;            // of depth from pairs of images, for the dense map
   double peak_rss_mb = 0.0;          // of the process
   std::vector<int> unreadable_frames;
   std::vector<std::string> warnings;           // what is probably wrong (slam/pipeline/run_check.h)

@@ -16,13 +16,15 @@ bool is_movable_class(std::string_view class_name) {
   return std::find(kMovable.begin(), kMovable.end(), lower_case(class_name)) != kMovable.end();
 }
 
-double moving_prior(std::string_view class_name) {
+bool is_vehicle_class(std::string_view class_name) {
   static constexpr std::array<std::string_view, 10> kVehicles = {
       "bicycle", "car", "van", "bus", "train", "tram", "truck", "trailer", "caravan", "boat"};
+  return std::find(kVehicles.begin(), kVehicles.end(), lower_case(class_name)) != kVehicles.end();
+}
+
+double moving_prior(std::string_view class_name) {
   if (!is_movable_class(class_name)) return -4.0;
-  const bool vehicle =
-      std::find(kVehicles.begin(), kVehicles.end(), lower_case(class_name)) != kVehicles.end();
-  return vehicle ? 0.4 : 2.0;
+  return is_vehicle_class(class_name) ? 0.4 : 2.0;
 }
 
 }  // namespace penumbra::slam

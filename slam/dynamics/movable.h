@@ -9,6 +9,9 @@ namespace penumbra::slam {
 // ...), whatever their case. A parked car is movable, too: this is about what a thing can do.
 bool is_movable_class(std::string_view class_name);
 
+// Cars, bicycles, boats and the like: what can move, but stands where it was left. Whatever its case.
+bool is_vehicle_class(std::string_view class_name);
+
 // Log odds that an instance of the class moves, before anything else is known of it: people, riders and
 // animals usually do, vehicles as often as not, other things hardly ever.
 double moving_prior(std::string_view class_name);

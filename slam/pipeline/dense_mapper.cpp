@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <shared_mutex>
 
 #include "slam/dynamics/movable.h"
@@ -26,6 +27,9 @@ class DenseMapper::ClassNumbers {
   explicit ClassNumbers(const Recorder& record) {
     for (const TrackedInstance& instance : record.instances()) {
       of_instance_[instance.id] = instance.class_name;
+      if (is_vehicle_class(instance.class_name) && instance.measured &&
+          instance.state() == MotionState::still)
+        parked_.insert(instance.id);
       names_.push_back(instance.class_name);
     }
     for (const auto& [frame, instances] : record.masks()) {
@@ -38,20 +42,27 @@ class DenseMapper::ClassNumbers {
   }
   const std::vector<std::string>& names() const { return names_; }
 
+  // Whether it was seen to stand, of what can drive: it is in the way.
+  bool is_parked(const InstanceSighting& seen) const { return parked_.contains(seen.id); }
   // What the pixels of a sighting are called.
   std::uint8_t label_of(const InstanceSighting& seen) const {
     const auto found = of_instance_.find(seen.id);
+    if (is_parked(seen)) return number_of(found->second);
     return label_of(found == of_instance_.end() ? "" : found->second, seen.state == MotionState::moving);
   }
-  // People and all else that can move are never part of a map, whatever they do.
+  // People and all else that can move are no part of a map, whatever they do.
   std::uint8_t label_of(const std::string& name, bool moves) const {
-    if (moves || is_movable_class(name)) return kMoves;
+    return moves || is_movable_class(name) ? kMoves : number_of(name);
+  }
+
+ private:
+  std::uint8_t number_of(const std::string& name) const {
     const auto at = std::find(names_.begin(), names_.end(), name);
     return at == names_.end() ? std::uint8_t{0} : static_cast<std::uint8_t>(at - names_.begin());
   }
 
- private:
   std::map<int, std::string> of_instance_;
+  std::set<int> parked_;
   std::vector<std::string> names_;
 };
 
@@ -71,11 +82,20 @@ bool DenseMapper::brings_something(const FrameResult& result) {
 
 bool DenseMapper::add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result) {
   const bool located = result.tracking.state == TrackingState::tracking && result.place.reference != nullptr;
-  if (!result.segmented || !located || images.depth.empty() || !brings_something(result)) return false;
+  const bool has_depth = !images.depth.empty();
+  if (!result.segmented || !located || (!has_depth && images.right.empty()) || !brings_something(result))
+    return false;
   last_T_wc_ = result.T_wc;
   last_time_ = result.timestamp;
-  kept_.push_back(
-      {result.index, result.place, make_dense_view(camera, images.left, images.depth, settings_.step)});
+  DenseView view;
+  if (has_depth) {
+    view = make_dense_view(camera, images.left, images.depth, settings_.step);
+  } else {
+    const auto scope = timer_.measure("stereo_depth");
+    view = stereo_.make(camera, images);
+  }
+  step_ = has_depth ? settings_.step : settings_.stereo.shrink;
+  kept_.push_back({result.index, result.place, std::move(view)});
   return true;
 }
 
@@ -83,17 +103,29 @@ bool DenseMapper::add(const StereoCamera& camera, const StereoImages& images, co
 // keyframe from others count, and what the segmenter saw in it.
 void DenseMapper::label(Kept& kept, const Recorder& record, const ClassNumbers& numbers) const {
   const auto label_mask = [&](const Rect& region, const ByteImage& mask, std::uint8_t label) {
-    set_label(kept.view, settings_.step, region, mask, label, label == kMoves ? settings_.grow : 0);
+    set_label(kept.view, step_, region, mask, label, label == kMoves ? settings_.grow : 0);
   };
   kept.view.label.fill(0);
+  std::vector<Rect> parked;
   if (const auto seen = record.sightings().find(kept.frame); seen != record.sightings().end()) {
-    for (const InstanceSighting& sighting : seen->second)
+    for (const InstanceSighting& sighting : seen->second) {
       label_mask(sighting.region, sighting.mask, numbers.label_of(sighting));
+      if (numbers.is_parked(sighting)) parked.push_back(sighting.region);
+    }
   }
+  const auto is_parked = [&](const Instance& instance) {
+    return is_vehicle_class(instance.class_name) &&
+           std::any_of(parked.begin(), parked.end(), [&](const Rect& region) {
+             return 2 * intersection(region, instance.region).area() >=
+                    bounding(region, instance.region).area();
+           });
+  };
   if (const auto seen = record.masks().find(kept.frame); seen != record.masks().end()) {
-    for (const Instance& instance : seen->second)
+    for (const Instance& instance : seen->second) {
+      if (is_parked(instance)) continue;  // the sighting of it counts
       label_mask(instance.region, instance.mask,
                  numbers.label_of(instance.class_name, instance.moves.value_or(false)));
+    }
   }
 }
 
@@ -105,10 +137,10 @@ void DenseMapper::mark_displaced(const Recorder& record, const std::vector<Posed
       for (const Instance& thing : seen->second) things.push_back({i, thing.region, &thing.mask});
     }
   }
-  const std::vector<char> displaced = find_displaced(things, settings_.step, views, settings_.fusion);
+  const std::vector<char> displaced = find_displaced(things, step_, views, settings_.fusion);
   for (std::size_t i = 0; i < things.size(); ++i) {
     const auto& [view, region, mask] = things[i];
-    if (displaced[i]) set_label(kept_[view].view, settings_.step, region, *mask, kMoves, settings_.grow);
+    if (displaced[i]) set_label(kept_[view].view, step_, region, *mask, kMoves, settings_.grow);
   }
 }
 
@@ -135,8 +167,11 @@ DenseMap DenseMapper::build(const Recorder& record) {
   std::vector<PosedView> views;
   std::size_t bytes = 0;
   {
-    const std::shared_lock lock(record.slam().map().mutex());
+    const Map& map = record.slam().map();
+    const std::shared_lock lock(map.mutex());
     for (Kept& kept : kept_) {
+      // What the whole map has told of the pair since.
+      correct_disparity_offset(kept.view, map.camera().disparity_offset / step_);
       views.push_back({&kept.view, kept.place.T_cw().inverse()});
       bytes += kept.view.bytes();
     }
@@ -151,7 +186,8 @@ DenseMap DenseMapper::build(const Recorder& record) {
   for (const Voxel& voxel : map.voxels.voxels()) places.push_back(voxel.place);
   std::vector<SE3> cameras;
   for (const PosedView& view : views) cameras.push_back(view.T_wc);
-  map.floor = find_floor(places, cameras);
+  constexpr double kFloorShare = 0.25;  // of the height from which on something blocks
+  map.floor = find_floor(places, cameras, kFloorShare * settings_.plan.lowest);
   if (map.floor) map.plan = occupancy_of(map.voxels, *map.floor, cameras.front(), settings_.plan);
   return map;
 }

@@ -1,5 +1,6 @@
 // Keeps of some frames what the dense map is made of, and makes that map: of what stands, at the poses that
 // the frames have by then, with the classes that the segmenter has found by then (slam/map/dense/fusion.h).
+// Depth is what the camera measured, or what the pair of images shows (stereo_view.h); all else is the same.
 //
 //   DenseMapper dense(settings.dense);
 //   for each frame:  result = slam.process(images);
@@ -11,8 +12,8 @@
 // A frame counts where the segmenter is shown it: keyframes and some between them. One that was taken nearer
 // than `least_metres` and `least_degrees` to the last one that is kept brings nothing new and is left out.
 // From where the camera stands some are kept, one a second: people come and go before it. Memory: 460 kB a
-// view of 640 x 480 with a step of 2; voxel_grid.h says what a voxel takes. The thread that calls
-// Slam::process() uses it.
+// view of 640 x 480 with a step of 2, 175 kB of a pair of 1241 x 376; voxel_grid.h says what a voxel takes.
+// The thread that calls Slam::process() uses it.
 #pragma once
 
 #include <optional>
@@ -22,6 +23,7 @@
 #include "slam/map/dense/fusion.h"
 #include "slam/map/dense/occupancy_grid.h"
 #include "slam/pipeline/recorder.h"
+#include "slam/pipeline/stereo_view.h"
 
 namespace penumbra::slam {
 
@@ -36,13 +38,17 @@ struct DenseMap {
 
 class DenseMapper {
  public:
-  explicit DenseMapper(const DenseSettings& settings) : settings_(settings) {}
+  // `settings`: with what follows from the sensor.
+  explicit DenseMapper(const DenseSettings& settings)
+      : settings_(settings), stereo_(settings.stereo, settings.fusion.farthest) {}
 
   // Returns whether it keeps the frame.
   bool add(const StereoCamera& camera, const StereoImages& images, const FrameResult& result);
   // The map as it is now. Takes the map's lock shared.
   DenseMap build(const Recorder& record);
   int views() const { return static_cast<int>(kept_.size()); }
+  // Of finding depth in pairs of images, so far.
+  StageTimer take_times() { return std::exchange(timer_, StageTimer()); }
 
  private:
   struct Kept {
@@ -57,6 +63,9 @@ class DenseMapper {
   void leave_out_unsegmented(const Recorder& record, const std::vector<PosedView>& views);
 
   const DenseSettings settings_;
+  StereoViewMaker stereo_;
+  StageTimer timer_;
+  int step_ = 1;  // pixels of the images to one of the views
   std::vector<Kept> kept_;
   SE3 last_T_wc_;  // of the last that is kept, as it was located then
   double last_time_ = 0.0;

@@ -156,20 +156,29 @@ void add(FieldList f, LoopCloserSettings& s) {
 }
 
 void add(FieldList f, DenseSettings& s) {
-  f.number("voxel", s.fusion.voxel, "metres", 0.001, 10.0);
-  f.number("depth_noise", s.fusion.depth_noise, "sigma / z^2, 1/metres", 1e-6, 1.0);
+  f.number("voxel", s.fusion.voxel, "metres; 0: by the sensor", 0.0, 10.0);
+  f.number("depth_noise", s.fusion.depth_noise, "sigma / z^2, 1/metres; 0: by the sensor", 0.0, 1.0);
   f.number("seen_through", s.fusion.seen_through, "views through for each on a voxel", 0.0, 1e4);
-  f.count("fewest_views", s.fusion.fewest_views, "views");
+  f.count("fewest_views", s.fusion.fewest_views, "views; 0: by the sensor");
   f.number("step", s.step, "pixels", 1.0, 64.0);
   f.metres("farthest", s.fusion.farthest);
   f.metres("least_metres", s.least_metres);
   f.number("least_degrees", s.least_degrees, "degrees", 0.0, 360.0);
   f.number("grow", s.grow, "pixels", 0.0, 64.0);
   FieldList plan = f.group("plan");
-  plan.number("cell", s.plan.cell, "metres", 0.001, 100.0);
-  plan.number("lowest", s.plan.lowest, "metres above the floor", -10.0, 100.0);
+  plan.number("cell", s.plan.cell, "metres; 0: by the sensor", 0.0, 100.0);
+  plan.number("lowest", s.plan.lowest, "metres above the floor; 0: by the sensor", 0.0, 100.0);
   plan.number("highest", s.plan.highest, "metres above the floor", -10.0, 100.0);
   plan.count("fewest_voxels", s.plan.fewest_voxels, "voxels", 1.0);
+  FieldList stereo = f.group("stereo");
+  stereo.number("shrink", s.stereo.shrink, "sides of the pair to those that are matched", 1.0, 64.0);
+  stereo.number("disparities", s.stereo.disparities, "pixels of the pair", 1.0, 4096.0);
+  stereo.number("noise", s.stereo.noise, "sigma, pixels that are matched", 0.001, 100.0);
+  stereo.number("slope_penalty", s.stereo.match.penalties.slope, "bits", 0.0, 1000.0);
+  stereo.number("edge_penalty", s.stereo.match.penalties.edge, "bits", 0.0, 1000.0);
+  stereo.share("unique", s.stereo.match.choice.unique);
+  stereo.number("agree", s.stereo.match.choice.agree, "pixels that are matched", 0.0, 100.0);
+  stereo.count("smallest_piece", s.stereo.match.smallest_piece, "pixels that are matched");
 }
 
 }  // namespace

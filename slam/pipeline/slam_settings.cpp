@@ -17,6 +17,7 @@ SlamSettings with_derived(SlamSettings settings, Sensor sensor, const StereoCame
   KeyframeSettings& keyframes = settings.tracker.keyframes;
   if (keyframes.least_close_share == 0.0)
     keyframes.least_close_share = sensor == Sensor::rgbd ? kRgbdCloseShare : kStereoCloseShare;
+  settings.dense = with_derived(settings.dense, sensor, camera);
   settings.tracker.extends_map = !settings.localise;
   // Threads of a bundle adjustment: what is there, less the tracker's where that goes on meanwhile.
   const int threads = std::max(1, settings.deterministic ? settings.threads : settings.threads - 1);

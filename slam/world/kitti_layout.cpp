@@ -8,6 +8,7 @@
 #include "slam/world/ground_truth_images.h"
 #include "slam/world/landmark_images.h"
 #include "slam/world/layouts.h"
+#include "slam/world/plan_truth.h"
 #include "slam/world/sequence_files.h"
 
 namespace penumbra::slam::synthetic {
@@ -55,7 +56,7 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
   const fs::path root = folder / "sequences/00";
   std::vector<fs::path> earlier{"annotations/instances.json"};
   for (const char* name : {"image_0", "image_1", "image_2", "image_3", "instances", "depth", "disparity",
-                           "flow", "amodal", "landmarks", "landmarks.json"}) {
+                           "flow", "amodal", "landmarks", "landmarks.json", "plan.pgm", "plan.yaml"}) {
     earlier.push_back(fs::path("sequences/00") / name);
   }
   prepare_folder(folder, overwrite, earlier);
@@ -81,6 +82,7 @@ void write_kitti_layout(Sequence& sequence, const fs::path& folder, bool overwri
   write_calibration(root / "calib.txt", sequence.camera());
   write_trajectory(folder / "poses/00.txt", root / "times.txt", sequence.poses());
   write_instance_list(root / "instances.json", sequence.world());
+  write_occupancy(root / "plan", true_plan(sequence.world(), sequence.poses()));
   if (recording.landmarks) nn::write_file(root / "landmarks.json", things.list());
 
   CocoWriter annotations(sequence.image_size(), sequence.world().catalogue);

@@ -11,6 +11,7 @@ namespace penumbra::slam::synthetic {
 // Writes a stereo sequence below `folder`:
 //   sequences/00/image_0, image_1 [, image_2, image_3]/NNNNNN.png    left, right; grey, then colour
 //   sequences/00/calib.txt, times.txt, name.txt (what to call it in logs and reports)
+//   sequences/00/plan.pgm, plan.yaml    where a robot could drive, see plan_truth.h
 //   sequences/00/instances/NNNNNN.png   16 bits: instance ids of the left image, 0 = background
 //   sequences/00/instances.json         per id: class and whether it moves
 //   sequences/00/depth/NNNNNN.png       16 bits, 256 = 1 m, 0 = sky or beyond 255 m (where recording.depth)
@@ -33,7 +34,7 @@ void write_kitti_layout(Sequence& sequence, const std::filesystem::path& folder,
 //   rgb.txt, depth.txt           "T folder/T.png" a line
 //   groundtruth.txt              T tx ty tz qx qy qz qw: T_wc of the optical frame, the first the identity
 //   calibration.yaml             width, height, fx, fy, cx, cy, depth_factor, rate
-//   instances/T.png, instances.json  as above
+//   instances/T.png, instances.json, plan.pgm, plan.yaml  as above
 //   depth_clean/T.png, depth_clean.txt  the true depth, coded like depth (where recording.depth)
 //   flow/T.png, amodal/T/IIIII.png, landmarks/T.png, landmarks.json, annotations/instances.json   as above,
 //   where the recording has them

@@ -10,6 +10,7 @@
 #include "slam/world/ground_truth_images.h"
 #include "slam/world/landmark_images.h"
 #include "slam/world/layouts.h"
+#include "slam/world/plan_truth.h"
 #include "slam/world/sequence_files.h"
 
 namespace penumbra::slam::synthetic {
@@ -36,7 +37,8 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
       {"flow", recording.flow, [&] { return encode_flow(frame.flow); }, true},
       {"landmarks", recording.landmarks, [&] { return landmark_image(things, frame.left); }},
   };
-  std::vector<fs::path> earlier{"amodal", "landmarks.json", "annotations/instances.json"};
+  std::vector<fs::path> earlier{"amodal", "landmarks.json", "plan.pgm", "plan.yaml",
+                                "annotations/instances.json"};
   for (const FrameOutput& output : outputs) earlier.emplace_back(output.name);
   prepare_folder(folder, overwrite, earlier);
   make_folders(folder, outputs);
@@ -50,6 +52,7 @@ void write_tum_layout(Sequence& sequence, const fs::path& folder, bool overwrite
                   camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, factor,
                   sequence.rate()));
   write_instance_list(folder / "instances.json", sequence.world());
+  write_occupancy(folder / "plan", true_plan(sequence.world(), sequence.poses()));
   if (recording.landmarks) nn::write_file(folder / "landmarks.json", things.list());
 
   Trajectory from_first = sequence.poses();

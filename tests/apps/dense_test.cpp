@@ -84,20 +84,39 @@ TEST_F(DenseRun, DoesNotOutliveItself) {
     EXPECT_FALSE(std::filesystem::exists(*shared / "again" / name)) << name;
 }
 
-TEST_F(DenseRun, RefusesWhatHasNoDepthAndNoTruth) {
-  ASSERT_EQ(
-      test::run_penumbra(fmt::format("synth --frames 3 --size 310x94 --out '{}/street'", folder())).exit_code,
-      0);
-  const auto stereo =
-      test::run_penumbra(fmt::format("slam '{0}/street' --dense --out '{0}/stereo'", folder()));
-  EXPECT_NE(stereo.exit_code, 0);
-  EXPECT_NE(stereo.err.find("--dense needs images with depth"), stereo.err.npos) << stereo.err;
-  const auto none = test::run_penumbra(fmt::format("eval-dense '{0}/run' --truth '{0}/street'", folder()));
+TEST_F(DenseRun, MapsAStreetFromPairsOfImages) {
+  const std::string street = folder() + "/street";
+  ASSERT_EQ(test::run_penumbra(fmt::format("synth --frames 16 --size 1240x376 --seed 3 --out '{}'", street))
+                .exit_code,
+            0);
+  const auto slam = test::run_penumbra(
+      fmt::format("slam '{0}' --dense --grid-resolution 0.25 --deterministic --out '{0}_run'", street));
+  ASSERT_EQ(slam.exit_code, 0) << slam.err;
+  const nlohmann::json run = nlohmann::json::parse(test::read_file(street + "_run/run.json"));
+  EXPECT_NEAR(run["dense"]["voxel_m"].get<double>(), 0.125, 1e-9);
+  EXPECT_GT(run["stages"]["stereo_depth"], 0.0);
+  EXPECT_NE(test::read_file(street + "_run/plan.yaml").find("resolution: 0.25\n"), std::string::npos);
+  const auto eval = test::run_penumbra(fmt::format("eval-dense '{0}_run' --truth '{0}' --json", street));
+  ASSERT_EQ(eval.exit_code, 0) << eval.err;
+  const nlohmann::json score = nlohmann::json::parse(eval.out)["plan"];
+  EXPECT_GT(score["free_m2"], 60.0) << eval.out;
+  EXPECT_GT(score["free_right"], 0.98) << eval.out;
+  EXPECT_GT(score["blocked_m2"], 8.0) << eval.out;
+  EXPECT_GT(score["blocked_within_a_cell"], 0.95) << eval.out;
+  EXPECT_GT(score["obstacles_within_a_cell"], 0.85) << eval.out;
+}
+
+TEST_F(DenseRun, RefusesWhatHasNoTruth) {
+  std::filesystem::create_directories(*shared / "empty");
+  const auto none = test::run_penumbra(fmt::format("eval-dense '{0}/run' --truth '{0}/empty'", folder()));
   EXPECT_NE(none.exit_code, 0);
   EXPECT_NE(none.err.find("instances.json"), none.err.npos) << none.err;
   const auto no_map =
-      test::run_penumbra(fmt::format("eval-dense '{0}/street' --truth '{0}/office'", folder()));
+      test::run_penumbra(fmt::format("eval-dense '{0}/empty' --truth '{0}/office'", folder()));
   EXPECT_NE(no_map.err.find("dense.ply"), no_map.err.npos) << no_map.err;
+  std::filesystem::create_directories(*shared / "bare/sequences");
+  const auto no_plan = test::run_penumbra(fmt::format("eval-dense '{0}/run' --truth '{0}/bare'", folder()));
+  EXPECT_NE(no_plan.err.find("plan.yaml"), no_plan.err.npos) << no_plan.err;
 }
 
 }  // namespace

@@ -11,17 +11,15 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr float kJump =
-    0.05F;  // share of the depth: more between neighbours is a step from one surface to another
-
 // The depth of a pixel, 0 where it has none or stands at a jump.
-float steady_depth(const FloatImage& depth, int column, int row) {
+float steady_depth(const FloatImage& depth, int column, int row, const DepthCoding& coding) {
   const float z = depth.at(column, row);
   if (!(z > 0.0F)) return 0.0F;
   for (int y = std::max(0, row - 1); y <= std::min(depth.height() - 1, row + 1); ++y) {
     for (int x = std::max(0, column - 1); x <= std::min(depth.width() - 1, column + 1); ++x) {
       const float other = depth.at(x, y);
-      if (other > 0.0F && std::abs(other - z) > kJump * z) return 0.0F;
+      const float change = std::abs(other - z);
+      if (other > 0.0F && change > coding.jump * z && change > coding.least_jump * z * other) return 0.0F;
     }
   }
   return z;
@@ -30,10 +28,11 @@ float steady_depth(const FloatImage& depth, int column, int row) {
 }  // namespace
 
 DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, const FloatImage& depth,
-                          int step) {
+                          int step, const DepthCoding& coding) {
   const int width = ceil_div(depth.width(), step), height = ceil_div(depth.height(), step);
   DenseView view;
   view.camera = camera;
+  view.depth_units = coding.units;
   view.camera.fx /= step;
   view.camera.fy /= step;
   view.camera.cx /= step;
@@ -50,13 +49,27 @@ DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, co
     std::uint8_t* const labels = view.label.row(y);
     const std::uint8_t* const from = image.row(y * step);
     for (int x = 0; x < width; ++x) {
-      const float z = steady_depth(depth, x * step, y * step);
-      depths[x] = static_cast<std::uint16_t>(std::lround(std::min(z * DenseView::kDepthUnits, 65535.0F)));
+      const float z = steady_depth(depth, x * step, y * step, coding);
+      depths[x] = static_cast<std::uint16_t>(std::lround(std::min(z * coding.units, 65535.0F)));
       labels[x] = 0;
       for (int c = 0; c < 3; ++c) colours[3 * x + c] = grey ? from[x * step] : from[3 * x * step + c];
     }
   }
   return view;
+}
+
+void correct_disparity_offset(DenseView& view, double offset) {
+  const double change = (view.camera.disparity_offset - offset) / (view.camera.fx * view.camera.baseline);
+  view.camera.disparity_offset = offset;
+  if (change == 0.0) return;
+  const double per_unit = change / view.depth_units;  // of 1 / z for each unit
+  std::uint16_t* const depths = view.depth.data();
+  for (std::size_t i = 0; i < view.depth.elements(); ++i) {
+    const double stretch = 1.0 + depths[i] * per_unit;
+    depths[i] = stretch <= 0.0
+                    ? std::uint16_t{65535}
+                    : static_cast<std::uint16_t>(std::lround(std::min(depths[i] / stretch, 65535.0)));
+  }
 }
 
 float nearest_depth(const DenseView& view, int column, int row) {
@@ -73,7 +86,7 @@ float nearest_depth(const DenseView& view, int column, int row) {
       least = std::min(least, depth);
     }
   }
-  return known >= kFewest ? static_cast<float>(least) / DenseView::kDepthUnits : 0.0F;
+  return known >= kFewest ? static_cast<float>(least) / view.depth_units : 0.0F;
 }
 
 FloatImage nearest_depths(const DenseView& view) {

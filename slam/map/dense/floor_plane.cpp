@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kTries = 500;
 constexpr std::size_t kMostPoints = 5000;
-constexpr double kOnFloor = 0.025, kBelow = 0.05;      // metres
+constexpr double kBelow = 2.0;                         // of what lies on the floor
 constexpr double kMostBelow = 0.01, kFewestOn = 0.02;  // shares of the points
 constexpr double kUpright = 0.7071;                    // cosine
 
@@ -26,15 +26,15 @@ std::vector<Eigen::Vector3d> sample_of(std::span<const Eigen::Vector3f> points) 
 
 // How many points lie on the plane; 0 where it cannot be the floor.
 std::size_t support(const FloorPlane& plane, const std::vector<Eigen::Vector3d>& points,
-                    std::span<const SE3> cameras) {
+                    std::span<const SE3> cameras, double on_floor) {
   for (const SE3& camera : cameras) {
-    if (plane.height(camera.translation) <= kBelow) return 0;
+    if (plane.height(camera.translation) <= kBelow * on_floor) return 0;
   }
   std::size_t on = 0, below = 0;
   for (const Eigen::Vector3d& p : points) {
     const double height = plane.height(p);
-    on += std::abs(height) < kOnFloor;
-    below += height < -kBelow;
+    on += std::abs(height) < on_floor;
+    below += height < -kBelow * on_floor;
   }
   return static_cast<double>(below) > kMostBelow * static_cast<double>(points.size()) ? 0 : on;
 }
@@ -60,7 +60,8 @@ FloorPlane refined(const FloorPlane& plane, double band, const std::vector<Eigen
 
 }  // namespace
 
-std::optional<FloorPlane> find_floor(std::span<const Eigen::Vector3f> cloud, std::span<const SE3> cameras) {
+std::optional<FloorPlane> find_floor(std::span<const Eigen::Vector3f> cloud, std::span<const SE3> cameras,
+                                     double on_floor) {
   const std::vector<Eigen::Vector3d> points = sample_of(cloud);
   if (points.size() < 3 || cameras.empty()) return std::nullopt;
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
@@ -79,7 +80,7 @@ std::optional<FloorPlane> find_floor(std::span<const Eigen::Vector3f> cloud, std
     if (normal.dot(up) < 0.0) normal = -normal;
     if (normal.dot(up) < kUpright) continue;
     const FloorPlane plane{normal, -normal.dot(a)};
-    const std::size_t on = support(plane, points, cameras);
+    const std::size_t on = support(plane, points, cameras, on_floor);
     if (on <= most) continue;
     most = on;
     best = plane;
@@ -87,7 +88,7 @@ std::optional<FloorPlane> find_floor(std::span<const Eigen::Vector3f> cloud, std
   }
   if (!found) return std::nullopt;
   // Narrower each time: the feet of what stands on the floor are no part of it.
-  for (const double band : {kOnFloor, 0.6 * kOnFloor, 0.4 * kOnFloor}) best = refined(best, band, points);
+  for (const double share : {1.0, 0.6, 0.4}) best = refined(best, share * on_floor, points);
   return best;
 }
 

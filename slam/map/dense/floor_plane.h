@@ -4,9 +4,9 @@
 //   n . p + d = 0,   n of unit length, upwards: n . p + d is the height of p
 //
 // RANSAC over triples of voxels; a plane counts where its normal lies within 45 degrees of the mean upward
-// axis of the cameras, all cameras above it, and at most 1 % of the voxels below it by more than 5 cm. The
-// one with the most voxels within 2.5 cm wins and is refined by least squares on them. Cost: 500 tries, each
-// on at most 5000 voxels.
+// axis of the cameras, all cameras above it, and at most 1 % of the voxels below it by more than twice
+// `on_floor`. The one with the most voxels within `on_floor` wins and is refined by least squares on them.
+// Cost: 500 tries, each on at most 5000 voxels.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,9 @@ struct FloorPlane {
   double height(const Eigen::Vector3d& p) const { return normal.dot(p) + offset; }
 };
 
-// `cameras`: T_wc. Nothing where no plane is that, or fewer than 2 % of the points lie on it.
-std::optional<FloorPlane> find_floor(std::span<const Eigen::Vector3f> points, std::span<const SE3> cameras);
+// `cameras`: T_wc. `on_floor`: metres. Nothing where no plane is that, or fewer than 2 % of the points lie on
+// it.
+std::optional<FloorPlane> find_floor(std::span<const Eigen::Vector3f> points, std::span<const SE3> cameras,
+                                     double on_floor = 0.025);
 
 }  // namespace penumbra::slam

@@ -4,31 +4,20 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <locale>
+#include <sstream>
 
+#include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/image/image_file.h"
 
 namespace penumbra::slam {
 
 namespace {
 
-constexpr double kFloorBand = 0.05;  // metres around the floor
-
-// The plan's axes: z up, x where the camera looks, or, where it looks straight down, where its top points.
-SE3 plan_from_world(const FloorPlane& floor, const SE3& camera) {
-  const Eigen::Vector3d& z = floor.normal;
-  const auto level = [&](const Eigen::Vector3d& axis) -> Eigen::Vector3d { return axis - axis.dot(z) * z; };
-  Eigen::Vector3d x = level(camera.rotation.col(2));
-  if (x.norm() < 0.1) x = level(-camera.rotation.col(1));
-  x.normalize();
-  SE3 T;
-  T.rotation.row(0) = x.transpose();
-  T.rotation.row(1) = z.cross(x).transpose();
-  T.rotation.row(2) = z.transpose();
-  const Eigen::Vector3d foot = camera.translation - floor.height(camera.translation) * z;
-  T.translation = -(T.rotation * foot);
-  return T;
-}
+constexpr double kFloorBand = 0.5;  // around the floor, of the height from which on something blocks
 
 // A cell most of whose neighbours are free is free, too: far floor is measured with gaps.
 void close_gaps(ByteImage& cells) {
@@ -46,7 +35,55 @@ void close_gaps(ByteImage& cells) {
   }
 }
 
+// The value of a line "key: value", without what stands around it.
+std::string value_of(const std::filesystem::path& path, const std::string& text, const std::string& key) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    std::string line = text.substr(at, end - at);
+    at = end + 1;
+    if (!line.starts_with(key + ":")) continue;
+    line = line.substr(key.size() + 1, line.find(" #") - key.size() - 1);
+    const char* const around = " \t\r\"'";
+    const std::size_t first = line.find_first_not_of(around);
+    return first == std::string::npos ? "" : line.substr(first, line.find_last_not_of(around) - first + 1);
+  }
+  throw InputError(path.string(), fmt::format("a line '{}: ...' as map_server's files have", key), "none");
+}
+
+// As many numbers as are asked for, whatever stands between them: [0, 0, 0].
+template <std::size_t kNumbers>
+std::array<double, kNumbers> numbers_of(const std::filesystem::path& path, const std::string& text,
+                                        const std::string& key) {
+  const std::string value = value_of(path, text, key);
+  std::string plain = value;
+  std::replace_if(
+      plain.begin(), plain.end(), [](char c) { return c == '[' || c == ']' || c == ','; }, ' ');
+  std::istringstream words(plain);
+  words.imbue(std::locale::classic());
+  std::array<double, kNumbers> numbers{};
+  for (double& number : numbers) {
+    if (words >> number && std::isfinite(number)) continue;
+    throw InputError(path.string(), fmt::format("{} numbers after '{}:'", kNumbers, key), value);
+  }
+  return numbers;
+}
+
 }  // namespace
+
+SE3 plan_from_world(const FloorPlane& floor, const SE3& first_camera) {
+  const Eigen::Vector3d& z = floor.normal;
+  const auto level = [&](const Eigen::Vector3d& axis) -> Eigen::Vector3d { return axis - axis.dot(z) * z; };
+  Eigen::Vector3d x = level(first_camera.rotation.col(2));
+  if (x.norm() < 0.1) x = level(-first_camera.rotation.col(1));
+  x.normalize();
+  SE3 T;
+  T.rotation.row(0) = x.transpose();
+  T.rotation.row(1) = z.cross(x).transpose();
+  T.rotation.row(2) = z.transpose();
+  const Eigen::Vector3d foot = first_camera.translation - floor.height(first_camera.translation) * z;
+  T.translation = -(T.rotation * foot);
+  return T;
+}
 
 int OccupancyGrid::count(std::uint8_t kind) const {
   return static_cast<int>(std::count(cells.row(0), cells.row(0) + cells.elements(), kind));
@@ -75,7 +112,7 @@ OccupancyGrid occupancy_of(const VoxelGrid& voxels, const FloorPlane& floor, con
   grid.cells = ByteImage::filled(width, height, OccupancyGrid::kUnknown);
   for (const Eigen::Vector3d& p : places) {
     const int x = cell_of(p.x()) - left, y = height - 1 - (cell_of(p.y()) - bottom);
-    if (std::abs(p.z()) < kFloorBand) grid.cells.at(x, y) = OccupancyGrid::kFree;
+    if (std::abs(p.z()) < kFloorBand * settings.lowest) grid.cells.at(x, y) = OccupancyGrid::kFree;
     blocking.at(x, y) += p.z() >= settings.lowest && p.z() <= settings.highest;
   }
   close_gaps(grid.cells);
@@ -98,6 +135,29 @@ void write_occupancy(const std::filesystem::path& path, const OccupancyGrid& gri
                  fmt::format("image: {}\nmode: trinary\nresolution: {:.6g}\norigin: [{:.6g}, {:.6g}, 0.0]\n"
                              "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
                              image.filename().string(), grid.cell, grid.origin.x(), grid.origin.y()));
+}
+
+OccupancyGrid read_occupancy(const std::filesystem::path& yaml) {
+  const std::string text = nn::read_text_file(yaml, "a map_server's YAML file");
+  OccupancyGrid grid;
+  grid.cell = numbers_of<1>(yaml, text, "resolution")[0];
+  if (!(grid.cell > 0.0)) throw InputError(yaml.string(), "a resolution above 0", fmt::to_string(grid.cell));
+  const auto [x, y, turn] = numbers_of<3>(yaml, text, "origin");
+  if (turn != 0.0) throw InputError(yaml.string(), "a plan that is not turned", fmt::format("{} rad", turn));
+  grid.origin = {x, y};
+  const bool negate = numbers_of<1>(yaml, text, "negate")[0] != 0.0;
+  const double occupied = numbers_of<1>(yaml, text, "occupied_thresh")[0];
+  const double free = numbers_of<1>(yaml, text, "free_thresh")[0];
+  const ByteImage image =
+      nn::read_image(yaml.parent_path() / value_of(yaml, text, "image"), nn::ImageColour::grey);
+  grid.cells.create(image.width(), image.height());
+  std::transform(image.data(), image.data() + image.elements(), grid.cells.data(), [&](std::uint8_t level) {
+    const double occupancy = (negate ? level : 255 - level) / 255.0;
+    return occupancy > occupied ? OccupancyGrid::kBlocked
+           : occupancy < free   ? OccupancyGrid::kFree
+                                : OccupancyGrid::kUnknown;
+  });
+  return grid;
 }
 
 }  // namespace penumbra::slam

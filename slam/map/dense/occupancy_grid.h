@@ -1,8 +1,9 @@
 // A plan of the floor for robots: which cells are free, which are blocked, seen from above.
 //
 //   blocked   something stands in the cell between `lowest` and `highest` above the floor
-//   free      the floor was seen there, and nothing blocks it; also a cell of which 5 of 8 neighbours are
-//   free unknown   all else
+//   free      the floor was seen there, within `lowest` / 2, and nothing blocks it; also a cell of which 5 of
+//             8 neighbours are free
+//   unknown   all else
 //
 // Frame of the plan: x to where the first camera looked, y to its left, z up, the origin on the floor below
 // it. Files as ROS' map_server and nav2_map_server read them: NAME.pgm (254 free, 0 blocked, 205 unknown; the
@@ -38,7 +39,16 @@ struct OccupancyGrid {
 OccupancyGrid occupancy_of(const VoxelGrid& voxels, const FloorPlane& floor, const SE3& first_camera,
                            const OccupancySettings& settings);
 
+// The plan's frame above a floor, for who draws one by himself. T_plan_world; where the camera looks straight
+// down, x is where its top points.
+SE3 plan_from_world(const FloorPlane& floor, const SE3& first_camera);
+
 // Writes `path` with the endings .pgm and .yaml. Throws Error where that fails.
 void write_occupancy(const std::filesystem::path& path, const OccupancyGrid& grid);
+
+// Reads a map_server's YAML file and its image: of Penumbra, nav2_map_saver, or drawn by hand; T_plan_world
+// stays the identity. A pixel's occupancy is (255 - level) / 255, or level / 255 with `negate`. Throws
+// InputError for a file that is missing or not of that kind, and for a plan that is turned (origin's third).
+OccupancyGrid read_occupancy(const std::filesystem::path& yaml);
 
 }  // namespace penumbra::slam

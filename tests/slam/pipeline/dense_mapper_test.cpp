@@ -17,7 +17,9 @@ using Instances = std::optional<std::vector<Instance>>;  // none: the segmenter 
 // A run through the room whose frames, keyframes and masks are given.
 class RoomRun {
  public:
-  KeyFrame& add(const SE3& T_wc, bool pillar, const Instances& seen = {}, bool segmented = true) {
+  // `parked`: what is seen is followed, and was measured to stand.
+  KeyFrame& add(const SE3& T_wc, bool pillar, const Instances& seen = {}, bool segmented = true,
+                bool parked = false) {
     KeyFrame& reference = keyframes_.emplace_back();
     reference.T_cw = T_wc.inverse();
     FrameResult result;
@@ -28,6 +30,19 @@ class RoomRun {
     result.segmented = segmented;
     result.tracking.state = TrackingState::tracking;
     if (seen) result.findings.segmented.push_back({result.index, *seen});
+    if (parked) {
+      InstanceSighting sighting;
+      sighting.id = 1;
+      sighting.region = seen->front().region;
+      sighting.mask = seen->front().mask;
+      result.findings.sightings.push_back({result.index, {sighting}});
+      TrackedInstance track;
+      track.id = 1;
+      track.class_name = seen->front().class_name;
+      track.measured = true;
+      track.log_odds = -3.0;
+      result.findings.gone.push_back(track);
+    }
     StereoImages images;
     images.timestamp = result.timestamp;
     images.left = ByteImage::filled(kRoomCamera.width, kRoomCamera.height, 90);
@@ -40,7 +55,7 @@ class RoomRun {
     DenseSettings settings;
     settings.fusion.voxel = 0.02;
     settings.step = 1;
-    return settings;
+    return with_derived(settings, Sensor::rgbd, kRoomCamera);
   }
   DenseMap build() { return mapper_.build(record_); }
   int views() const { return mapper_.views(); }
@@ -97,6 +112,19 @@ TEST(DenseMapper, LeavesOutPeopleAndKeepsThingsWithTheirClass) {
                             [](const Voxel& v) { return v.class_id == 1; }),
               200);
   }
+}
+
+TEST(DenseMapper, KeepsVehiclesThatWereSeenToStand) {
+  for (const bool parked : {false, true}) {
+    RoomRun run;
+    for (const double x : {-0.1, 0.0, 0.1}) run.add(at(x), true, pillar_as("car", x), true, parked);
+    const DenseMap map = run.build();
+    EXPECT_EQ(on_pillar(map) > 200, parked);
+    EXPECT_EQ(on_pillar(map) < 10, !parked);
+  }
+  RoomRun people;
+  for (const double x : {-0.1, 0.0, 0.1}) people.add(at(x), true, pillar_as("person", x), true, true);
+  EXPECT_LT(on_pillar(people.build()), 10);
 }
 
 TEST(DenseMapper, LeavesOutAThingWhereItStoodBefore) {

@@ -6,9 +6,12 @@
 #include <cmath>
 
 #include "nn/base/error.h"
+#include "nn/base/file.h"
+#include "nn/image/image_file.h"
 #include "slam/map/dense/cloud_files.h"
 #include "slam/map/dense/occupancy_grid.h"
 #include "tests/support/bytes.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/room_views.h"
 #include "tests/support/test_data.h"
 
@@ -172,6 +175,37 @@ TEST(OccupancyGrid, ShowsFloorAndPillar) {
   const std::string yaml = read_file(folder / "plan.yaml");
   EXPECT_NE(yaml.find("image: plan.pgm\n"), yaml.npos);
   EXPECT_NE(yaml.find("resolution: 0.1\n"), yaml.npos);
+  const OccupancyGrid again = read_occupancy(folder / "plan.yaml");
+  EXPECT_EQ(again.cell, plan.cell);
+  EXPECT_NEAR((again.origin - plan.origin).norm(), 0.0, 1e-6);
+  EXPECT_TRUE(std::equal(plan.cells.data(), plan.cells.data() + plan.cells.elements(), again.cells.data()));
+}
+
+TEST(OccupancyGrid, ReadsPlansOfOthers) {
+  const TemporaryDirectory folder;
+  ByteImage drawn(3, 1);
+  drawn.at(0, 0) = 0;
+  drawn.at(1, 0) = 128;
+  drawn.at(2, 0) = 255;
+  nn::write_image(folder / "map.png", drawn);
+  const auto read = [&](const std::string& text) {
+    nn::write_file(folder / "map.yaml", text);
+    return read_occupancy(folder / "map.yaml");
+  };
+  const std::string lines =
+      "# saved by hand\nimage: \"map.png\"\nresolution: 0.050000 # metres\norigin: [-1.5, 2, 0.000]\n"
+      "occupied_thresh: 0.65\nfree_thresh: 0.25\n";
+  const OccupancyGrid plan = read(lines + "negate: 0\n");
+  EXPECT_EQ(plan.cell, 0.05);
+  EXPECT_EQ(plan.origin, Eigen::Vector2d(-1.5, 2.0));
+  EXPECT_EQ(plan.cells.at(0, 0), OccupancyGrid::kBlocked);
+  EXPECT_EQ(plan.cells.at(1, 0), OccupancyGrid::kUnknown);
+  EXPECT_EQ(plan.cells.at(2, 0), OccupancyGrid::kFree);
+  EXPECT_EQ(read(lines + "negate: 1\n").cells.at(0, 0), OccupancyGrid::kFree);
+  expect_error<InputError>([&] { read(lines); }, {"map.yaml", "negate"});
+  expect_error<InputError>([&] { read("image: map.png\nresolution: 0\n"); }, {"a resolution above 0"});
+  expect_error<InputError>([&] { read("image: map.png\nresolution: wide\n"); }, {"1 numbers", "wide"});
+  expect_error<InputError>([&] { read("resolution: 1\norigin: [0, 0, 1.5]\n"); }, {"not turned", "1.5 rad"});
 }
 
 TEST(OccupancyGrid, OfNothingIsUnknown) {

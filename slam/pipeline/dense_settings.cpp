@@ -1,0 +1,54 @@
+#include "slam/pipeline/dense_settings.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace penumbra::slam {
+
+namespace {
+
+// The nearest of 1, 2 and 5 times powers of ten.
+double round_number(double x) {
+  const double ten = std::pow(10.0, std::floor(std::log10(x)));
+  const double share = x / ten;
+  return ten * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
+}
+
+template <class T>
+void set_where_0(T& number, T value) {
+  if (number == T{}) number = value;
+}
+
+void derive_rgbd(DenseSettings& s) {
+  set_where_0(s.plan.cell, 0.05);
+  set_where_0(s.plan.lowest, 0.1);
+  set_where_0(s.fusion.voxel, 0.01);
+  set_where_0(s.fusion.depth_noise, 0.0014);
+  set_where_0(s.fusion.farthest, 5.0);
+  set_where_0(s.fusion.fewest_views, 1);
+  set_where_0(s.least_metres, 0.05);
+}
+
+void derive_stereo(DenseSettings& s, const StereoCamera& camera) {
+  constexpr double kCellPerBaseline = 0.4, kSigmaCells = 2.0;
+  set_where_0(s.plan.cell, round_number(kCellPerBaseline * camera.baseline));
+  set_where_0(s.plan.lowest, std::max(0.1, 1.5 * s.plan.cell));
+  set_where_0(s.fusion.voxel, 0.5 * s.plan.cell);
+  set_where_0(s.fusion.depth_noise, s.stereo.noise * s.stereo.shrink / (camera.fx * camera.baseline));
+  set_where_0(s.fusion.farthest, std::sqrt(kSigmaCells * s.plan.cell / s.fusion.depth_noise));
+  set_where_0(s.fusion.fewest_views, 2);
+  set_where_0(s.least_metres, s.plan.cell);
+}
+
+}  // namespace
+
+DenseSettings with_derived(DenseSettings settings, Sensor sensor, const StereoCamera& camera) {
+  if (sensor == Sensor::rgbd) {
+    derive_rgbd(settings);
+  } else {
+    derive_stereo(settings, camera);
+  }
+  return settings;
+}
+
+}  // namespace penumbra::slam
