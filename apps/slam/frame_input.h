@@ -1,4 +1,5 @@
-// Where `penumbra slam` takes its frames from: a recording, or a stream on standard input ("-").
+// Where `penumbra slam` takes its frames from: a recording, a stream on standard input ("-"), or cameras
+// (/dev/video0).
 #pragma once
 
 #include <memory>
@@ -12,10 +13,12 @@
 namespace penumbra::apps {
 
 inline constexpr const char* kStandardInput = "-";
+// Whether it is a device such as /dev/video0, or the name of one that is not there.
+bool is_video_device(const std::string& name);
 
 class FrameInput {
  public:
-  // Throws as open_dataset does; UsageError for a stream without --camera.
+  // Throws as open_dataset and VideoStream do; UsageError for a stream without --camera.
   explicit FrameInput(const SlamOptions& options);
 
   // Of a stream: its camera, and no frames.
@@ -28,6 +31,7 @@ class FrameInput {
 
  private:
   void open_stream(const SlamOptions& options);
+  void open_cameras(const SlamOptions& options, const slam::CameraFile& camera);
 
   std::unique_ptr<slam::StereoDataset> dataset_;
   std::unique_ptr<slam::ByteInput> bytes_;

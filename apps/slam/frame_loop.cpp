@@ -1,6 +1,7 @@
 #include "apps/slam/frame_loop.h"
 
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
@@ -30,6 +31,7 @@ class Checkpoints {
     } catch (const Error& error) {
       log_warning("checkpoint: {}", error.what());
     }
+    malloc_trim(0);  // texts of all frames were made: the longer the run, the more of them
     const Seconds spent = Clock::now() - begin;
     next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
   }
@@ -68,6 +70,7 @@ void FrameLoop::run(const ResultPlaces& places) {
     try {
       const slam::FrameSource::Next next = frames.wait(kPatience);
       if (next == slam::FrameSource::Next::end) break;
+      tell_silence(next == slam::FrameSource::Next::frame);
       if (next == slam::FrameSource::Next::later) continue;
       process();
     } catch (const std::exception& error) {
@@ -108,10 +111,26 @@ void FrameLoop::process() {
   if (dense_ != nullptr && images && dense_->add(input_.dataset().camera(), *images, result))
     record_.keep_masks_of(result.index);
   poses_.add(result);
+  // A stream may never end: of its frames less is kept.
+  if (input_.is_live()) result.tracking.filter.bins = {};
   const slam::FrameResult& kept = record_.add(std::move(result));
   if (view_ != nullptr) view_->add(kept, images ? images->left : ByteImage());
   if (kept.tracking.state == slam::TrackingState::lost) log_warning("frame {}: lost", kept.index);
   if (kept.tracking.recovered) log_info("frame {}: found again", kept.index);
+}
+
+// Of a stream: that no frames come, and that they do again.
+void FrameLoop::tell_silence(bool has_frame) {
+  constexpr double kSilence = 2.0;  // seconds
+  const double silent = silence_.milliseconds() / 1e3;
+  if (!has_frame && !is_silent_ && silent > kSilence) {
+    is_silent_ = true;
+    log_warning("{}: no frame for {:.0f} s; waiting", input_.dataset().name(), silent);
+  }
+  if (!has_frame) return;
+  if (is_silent_) log_info("{}: frames again after {:.1f} s", input_.dataset().name(), silent);
+  is_silent_ = false;
+  silence_ = Stopwatch();
 }
 
 void FrameLoop::tell() {

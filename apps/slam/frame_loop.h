@@ -9,6 +9,7 @@
 #include "apps/slam/slam_results.h"
 #include "apps/slam/slam_run.h"
 #include "apps/view/live_view.h"
+#include "nn/base/stopwatch.h"
 #include "slam/pipeline/dense_mapper.h"
 #include "slam/pipeline/recorder.h"
 #include "slam/pipeline/run_check.h"
@@ -26,6 +27,7 @@ class FrameLoop {
 
  private:
   void process();
+  void tell_silence(bool has_frame);
   void tell();
   void sum_up();
 
@@ -39,6 +41,8 @@ class FrameLoop {
   slam::RunCheck check_;
   PoseOutput poses_;
   std::size_t reported_loops_ = 0;
+  Stopwatch silence_;  // since the last frame
+  bool is_silent_ = false;
 };
 
 }  // namespace penumbra::apps

@@ -28,6 +28,8 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics depth-clusters --out out/people
   penumbra slam out/walking_xyz --weights yolov5n.safetensors --dynamics static-points --out out/standing
   ffmpeg -i stereo.mp4 -f yuv4mpegpipe - | penumbra slam - --camera rig.yaml --every-frame --out out/film   images side by side
+  penumbra slam /dev/video0 --camera rig.yaml --out out/live  a camera whose frames hold both images
+  penumbra slam /dev/video0 --right-device /dev/video2 --camera rig.yaml --rate 30 --poses - --out out/live
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
   penumbra slam run.bag --out out/run                         ROS 1 bag, MCAP, rosbag2 (docs/recordings.md)
   penumbra slam run.mcap --left-topic /cam0/image_raw --right-topic /cam1/image_raw --camera rig.yaml --out out/run
@@ -57,12 +59,19 @@ void add_slam_command(CLI::App& app) {
   command->footer(kSlamExamples);
   add_dataset_arguments(
       *command, options->dataset,
-      "folder of the sequence, a recording: .bag, .mcap, .db3, or - for a stream on standard input");
+      "folder of the sequence; a recording: .bag, .mcap, .db3; - for a stream on standard input; or a "
+      "camera: /dev/video0");
   command->add_option("--out", options->out, "folder for the results, made where it is missing")->required();
   add_recording_arguments(*command, options->dataset);
   command->add_option("--layout", options->layout, "of a stream: how the left and the right image lie in one")
       ->check(CLI::IsMember({"side-by-side", "top-bottom"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--right-device", options->right_device,
+          "the right one of two cameras, such as /dev/video2 (default: the camera's frames hold both "
+          "images, see --layout)")
+      ->type_name("DEVICE");
   command->add_flag("--every-frame", options->every_frame,
                     "of a stream: it waits until a frame is done (default: the newest wins, the others are "
                     "dropped and counted)");

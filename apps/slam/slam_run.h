@@ -26,6 +26,7 @@ struct SlamOptions {
   std::string foreground = "paper", static_points = "off";               // of --dynamics static-points
   std::string view;                                                      // port, or kAnyViewPort; empty: none
   std::string layout = "side-by-side";  // of a stream: how two images lie in one
+  std::string right_device;             // of two cameras; empty: the one has both images
   bool every_frame = false;             // of a stream: it waits, and no frame is dropped
   std::string poses;                    // where poses go as they are found; empty: nowhere
   std::optional<double> least_score;

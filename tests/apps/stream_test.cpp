@@ -1,12 +1,17 @@
 // penumbra slam - : a stream on standard input, and poses as they are found.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <chrono>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "tests/support/bytes.h"
 #include "tests/support/test_data.h"
 
 namespace penumbra {
@@ -78,6 +83,28 @@ TEST_F(Stream, ThatComesTooFastLosesFramesAndSaysSo) {
   EXPECT_NE(stream.err.find("frames of the stream"), std::string::npos);
 }
 
+// The stream falls silent, and goes on with what was seen before.
+TEST_F(Stream, ThatFallsSilentIsWaitedForAndLocatedAgain) {
+  const std::string bytes = test::read_file(path("street.y4m"));
+  const std::size_t header = bytes.find('\n') + 1, frame = (bytes.size() - header) / kFrames;
+  ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
+  std::thread camera([&] {
+    std::ofstream pipe(path("fifo"), std::ios::binary);
+    pipe << bytes << std::flush;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2400));
+    pipe << bytes.substr(header + 4 * frame, 6 * frame);
+  });
+  const test::ProgramResult stream = test::run_penumbra(
+      fmt::format("slam - --camera '{}' --every-frame --poses - --out '{}'", path("rig.yaml"), path("out")),
+      path("fifo"));
+  camera.join();
+  ASSERT_EQ(stream.exit_code, 0) << stream.err;
+  EXPECT_NE(stream.err.find("stream: no frame for 2 s; waiting"), std::string::npos) << stream.err;
+  EXPECT_NE(stream.err.find("stream: frames again after 2."), std::string::npos) << stream.err;
+  EXPECT_EQ(std::count(stream.out.begin(), stream.out.end(), '\n'), kFrames + 6) << stream.err;
+  EXPECT_GT(report().at("stream").at("longest_silence_s"), 2.3);
+}
+
 TEST_F(Stream, NeedsACameraAndAReader) {
   const auto refused = [&](const std::string& arguments, int code, const std::string& text) {
     const test::ProgramResult result =
@@ -86,6 +113,10 @@ TEST_F(Stream, NeedsACameraAndAReader) {
     EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
   };
   refused("", 2, "needs --camera");
+  const test::ProgramResult no_camera = test::run_penumbra(
+      fmt::format("slam /dev/video77 --camera '{}' --out '{}'", path("rig.yaml"), path("out")));
+  EXPECT_EQ(no_camera.exit_code, 1);
+  EXPECT_NE(no_camera.err.find("/dev/video77: cannot be opened"), std::string::npos) << no_camera.err;
   refused(fmt::format("--camera '{}' --layout top-bottom", path("rig.yaml")), 1, "640 x 48");
   refused(fmt::format("--camera '{}' --poses unix:/nowhere/at/all", path("rig.yaml")), 1,
           "nobody listens there");

@@ -17,6 +17,9 @@ using namespace std::chrono_literals;
 // Gives frames one at a time, as the test lets it.
 class ToldStream final : public FrameStream {
  public:
+  std::string name() const override { return "stream"; }
+  void stop() override { closed_ = true; }
+  bool has_times() const override { return has_times_; }
   Sensor sensor() const override { return Sensor::stereo; }
   Size size() const override { return {80, 60}; }
   bool read(StreamFrame& frame) override {
@@ -30,6 +33,10 @@ class ToldStream final : public FrameStream {
   void images(const StreamFrame& frame, bool, ByteImage& left, ByteImage& right, WordImage&) const override {
     left = right = ByteImage::filled(80, 60, static_cast<std::uint8_t>(frame.index));
   }
+  void open_anew(bool has_times) {
+    has_times_ = has_times;
+    closed_ = false;
+  }
   void give(int frames) { allowed_ += frames; }
   void close() { closed_ = true; }
   void fail() { fails_ = closed_ = true; }
@@ -37,7 +44,7 @@ class ToldStream final : public FrameStream {
 
  private:
   std::atomic<int> given_{0}, allowed_{0};
-  std::atomic<bool> closed_{false}, fails_{false};
+  std::atomic<bool> closed_{false}, fails_{false}, has_times_{true};
 };
 
 class Live : public testing::Test {
@@ -47,7 +54,7 @@ class Live : public testing::Test {
     camera_.baseline = 0.1;
   }
   ~Live() override { stream_.close(); }
-  LiveFrames frames(bool drops) { return LiveFrames(stream_, input_, camera_, {drops, false}); }
+  LiveFrames frames(bool drops) { return LiveFrames(stream_, camera_, {drops, false}); }
   static FrameSource::Next patiently(LiveFrames& frames) {
     FrameSource::Next next = FrameSource::Next::later;
     for (int i = 0; i < 500 && next == FrameSource::Next::later; ++i) next = frames.wait(0.01);
@@ -59,7 +66,6 @@ class Live : public testing::Test {
     ASSERT_EQ(frames.counts().read, read);
   }
   ToldStream stream_;
-  ByteInput input_{-1, "stream"};
   CameraFile camera_;
 };
 
@@ -112,6 +118,26 @@ TEST_F(Live, AnEndBeforeTheStreamsIsQuick) {
   stream_.give(3);
   wait_for(live, 2);
   stream_.close();  // the destructor does not wait for anybody to take them
+}
+
+TEST_F(Live, SilenceIsTimeThatPasses) {
+  for (const bool has_times : {false, true}) {
+    stream_.open_anew(has_times);
+    LiveFrames live = frames(true);
+    stream_.give(1);
+    ASSERT_EQ(patiently(live), FrameSource::Next::frame);
+    const double before = live.next().timestamp;
+    std::this_thread::sleep_for(1100ms);
+    stream_.give(1);
+    ASSERT_EQ(patiently(live), FrameSource::Next::frame);
+    const double passed = live.next().timestamp - before;
+    if (has_times) {
+      EXPECT_NEAR(passed, 0.1, 1e-9);
+    } else {
+      EXPECT_NEAR(passed, live.counts().longest_silence, 0.05);
+    }
+    EXPECT_GT(live.counts().longest_silence, 1.0);
+  }
 }
 
 TEST_F(Live, CamerasThatDoNotFitAreRefused) {

@@ -78,10 +78,21 @@ Header parse_header(const std::string& line, const std::string& place) {
   return header;
 }
 
-class Y4mStream final : public FrameStream {
+// A stream of bytes.
+class ByteStream : public FrameStream {
+ public:
+  explicit ByteStream(ByteInput& input) : input_(input) {}
+  std::string name() const override { return input_.name(); }
+  void stop() override { input_.stop(); }
+
+ protected:
+  ByteInput& input_;
+};
+
+class Y4mStream final : public ByteStream {
  public:
   Y4mStream(ByteInput& input, const Header& header, StereoLayout layout, double rate)
-      : input_(input), width_(header.width), height_(header.height), layout_(layout), rate_(rate) {
+      : ByteStream(input), width_(header.width), height_(header.height), layout_(layout), rate_(rate) {
     const std::string& c = header.chroma;
     if (c == "mono") {
       step_x_ = 0;
@@ -105,6 +116,7 @@ class Y4mStream final : public FrameStream {
                        fmt::format("{} x {}", width_, height_));
   }
 
+  bool has_times() const override { return false; }
   Sensor sensor() const override { return Sensor::stereo; }
   Size size() const override {
     return layout_ == StereoLayout::side_by_side ? Size{width_ / 2, height_} : Size{width_, height_ / 2};
@@ -166,7 +178,6 @@ class Y4mStream final : public FrameStream {
     }
   }
 
-  ByteInput& input_;
   const int width_, height_;
   const StereoLayout layout_;
   const double rate_;
@@ -175,10 +186,12 @@ class Y4mStream final : public FrameStream {
   int count_ = 0;
 };
 
-class RgbdStream final : public FrameStream {
+class RgbdStream final : public ByteStream {
  public:
-  RgbdStream(ByteInput& input, const Header& header) : input_(input), size_{header.width, header.height} {}
+  RgbdStream(ByteInput& input, const Header& header)
+      : ByteStream(input), size_{header.width, header.height} {}
 
+  bool has_times() const override { return true; }
   Sensor sensor() const override { return Sensor::rgbd; }
   Size size() const override { return size_; }
   bool read(StreamFrame& frame) override {
@@ -216,7 +229,6 @@ class RgbdStream final : public FrameStream {
     return static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(size_.height);
   }
 
-  ByteInput& input_;
   const Size size_;
   int count_ = 0;
 };

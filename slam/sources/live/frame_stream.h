@@ -34,11 +34,17 @@ struct StreamFrame {
   int index = 0;           // of the stream, from 0 on
   double timestamp = 0.0;  // seconds
   std::vector<std::uint8_t> bytes;
+  std::vector<std::size_t> parts;  // where it came in several: how many bytes are of each
 };
 
 class FrameStream {
  public:
   virtual ~FrameStream() = default;
+  virtual std::string name() const = 0;  // for messages
+  // Ends all waiting, from any thread: read() then ends as if the stream had.
+  virtual void stop() = 0;
+  // Whether frames tell when they were taken; or else how many there are a second.
+  virtual bool has_times() const = 0;
   virtual Sensor sensor() const = 0;
   virtual Size size() const = 0;  // of one image
   // The next frame into `frame`, whose memory is used again; false at the end. A frame that is cut off by the
@@ -48,6 +54,8 @@ class FrameStream {
   // grey.
   virtual void images(const StreamFrame& frame, bool colour, ByteImage& left, ByteImage& right,
                       WordImage& depth) const = 0;
+  // What was odd about the frames so far, from any thread; empty: nothing.
+  virtual std::string remark() const { return {}; }
 };
 
 // By its first bytes. `rate`: Hz, in place of the header's. Throws InputError for a stream that is neither,

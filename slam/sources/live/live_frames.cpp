@@ -14,18 +14,18 @@ namespace penumbra::slam {
 namespace {
 
 // The camera, if the stream's images are its.
-const CameraFile& checked(const CameraFile& camera, const FrameStream& stream, const std::string& name) {
+const CameraFile& checked(const CameraFile& camera, const FrameStream& stream) {
   if (camera.sensor != stream.sensor()) {
     const auto text = [](Sensor sensor) {
       return sensor == Sensor::rgbd ? "a camera with depth" : "two cameras";
     };
-    throw InputError(name, fmt::format("frames of {}, as in the calibration", text(camera.sensor)),
+    throw InputError(stream.name(), fmt::format("frames of {}, as in the calibration", text(camera.sensor)),
                      text(stream.sensor()));
   }
   const Size size = stream.size();
   if (camera.left.width != size.width || camera.left.height != size.height) {
     throw InputError(
-        name,
+        stream.name(),
         fmt::format("images of {} x {} pixels, as in the calibration", camera.left.width, camera.left.height),
         fmt::format("{} x {} (--layout says how two lie in one)", size.width, size.height));
   }
@@ -34,17 +34,15 @@ const CameraFile& checked(const CameraFile& camera, const FrameStream& stream, c
 
 }  // namespace
 
-LiveFrames::LiveFrames(FrameStream& stream, ByteInput& input, const CameraFile& camera,
-                       const LiveSettings& settings)
+LiveFrames::LiveFrames(FrameStream& stream, const CameraFile& camera, const LiveSettings& settings)
     : stream_(stream),
-      input_(input),
       settings_(settings),
       depth_factor_(camera.depth_factor),
-      camera_(make_camera(checked(camera, stream, input.name()))),
+      camera_(make_camera(checked(camera, stream))),
       thread_([this] { run(); }) {}
 
 LiveFrames::~LiveFrames() {
-  input_.stop();
+  stream_.stop();
   {
     const std::lock_guard lock(mutex_);
     stopped_ = true;
@@ -55,9 +53,17 @@ LiveFrames::~LiveFrames() {
 
 void LiveFrames::run() {
   try {
-    while (stream_.read(reading_.frame)) {
-      reading_.read = Clock::now();
+    for (bool first = true; stream_.read(reading_.frame); first = false) {
+      const Clock::time_point now = Clock::now();
       std::unique_lock lock(mutex_);
+      if (first) {
+        first_read_ = now;
+        first_timestamp_ = reading_.frame.timestamp;
+      } else {
+        note_silence(std::chrono::duration<double>(now - last_read_).count(), now);
+      }
+      reading_.read = last_read_ = now;
+      reading_.frame.timestamp += late_;
       ++counts_.read;
       if (settings_.drops) {
         counts_.dropped += is_waiting_ ? 1 : 0;
@@ -76,6 +82,17 @@ void LiveFrames::run() {
   const std::lock_guard lock(mutex_);
   ended_ = true;
   changed_.notify_all();
+}
+
+// Of the frame that has just come, `seconds` after the one before it. What comes late because it was held up
+// comes in a burst; then the time that was lost is given back.
+void LiveFrames::note_silence(double seconds, Clock::time_point now) {
+  constexpr double kSilence = 1.0;  // seconds
+  counts_.longest_silence = std::max(counts_.longest_silence, seconds);
+  if (!settings_.drops || stream_.has_times()) return;
+  const double lag =
+      std::chrono::duration<double>(now - first_read_).count() - reading_.frame.timestamp + first_timestamp_;
+  late_ = seconds > kSilence ? std::max(late_, lag) : std::clamp(lag, 0.0, late_);
 }
 
 FrameSource::Next LiveFrames::wait(double seconds) {

@@ -2,6 +2,9 @@
 // faster than they are taken, the newest wins and those before it are dropped, so that what is taken is never
 // older than the frame that comes while one is worked on. Or the stream waits until a frame is taken.
 //
+// A stream without times of its own counts frames; where a live one falls silent for longer than a second and
+// comes back, the frames that follow are as much later.
+//
 // No frame is copied: three buffers go round between the thread and whoever takes the frames.
 #pragma once
 
@@ -27,14 +30,15 @@ struct LiveSettings {
 // How the frames went.
 struct LiveCounts {
   int read = 0, dropped = 0;
+  double longest_silence = 0.0;                  // seconds between two frames
   double longest_delay = 0.0, mean_delay = 0.0;  // seconds from the end of a frame's bytes until it was taken
 };
 
 class LiveFrames final : public FrameSource {
  public:
-  // `stream` reads from `input`, which is stopped at the end of this object; both must outlive it. `camera`
-  // says its size. Throws InputError where the stream and the camera are of different sensors or sizes.
-  LiveFrames(FrameStream& stream, ByteInput& input, const CameraFile& camera, const LiveSettings& settings);
+  // `stream` must outlive this object, at whose end it is stopped. `camera` says its size. Throws InputError
+  // where the stream and the camera are of different sensors or sizes.
+  LiveFrames(FrameStream& stream, const CameraFile& camera, const LiveSettings& settings);
   ~LiveFrames() override;
 
   const StereoCamera& camera() const { return camera_.camera; }
@@ -52,9 +56,9 @@ class LiveFrames final : public FrameSource {
     Clock::time_point read;
   };
   void run();
+  void note_silence(double seconds, Clock::time_point now);
 
   FrameStream& stream_;
-  ByteInput& input_;
   const LiveSettings settings_;
   const double depth_factor_;
   RecordedCamera camera_;
@@ -62,6 +66,9 @@ class LiveFrames final : public FrameSource {
   std::condition_variable changed_;
   Slot reading_, waiting_, taken_;  // of the thread; shared; of who takes the frames
   bool is_waiting_ = false, ended_ = false, stopped_ = false;
+  Clock::time_point first_read_, last_read_;
+  double first_timestamp_ = 0.0;  // seconds
+  double late_ = 0.0;             // seconds that the stream was silent, of one without times
   std::exception_ptr failure_;
   LiveCounts counts_;
   double delays_ = 0.0;  // their sum, seconds

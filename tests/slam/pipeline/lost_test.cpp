@@ -16,8 +16,9 @@ class Lost : public ::testing::Test {
     const int index = static_cast<int>(slam.results().size());
     std::shared_ptr<FrameFeatures> view = std::make_shared<FrameFeatures>();
     if (!dark) view = world.view(T_cw, static_cast<std::uint64_t>(index), seen);
-    truth.push_back({0.1 * index, T_cw.inverse()});
-    return slam.process(index, 0.1 * index, view);
+    const double time = 0.1 * index + silence;
+    truth.push_back({time, T_cw.inverse()});
+    return slam.process(index, time, view);
   }
   void drive(test::RecordedSlam& slam, double from, double to, double step = 1.0) {
     for (double steps = from; steps < to; steps += step) show(slam, steps);
@@ -30,6 +31,7 @@ class Lost : public ::testing::Test {
   SlamSettings settings;
   Trajectory truth;
   std::vector<int> seen;
+  double silence = 0.0;  // seconds that the stream had no frames, so far
 };
 
 TEST_F(Lost, ARingIsFollowedAndClosed) {
@@ -62,6 +64,34 @@ TEST_F(Lost, AJumpBackToAPlaceOfLongAgoIsLocatedAtOnce) {
   EXPECT_LT(error(slam, 70), 0.2);
   EXPECT_LT(error(slam, truth.size() - 1), 0.3);
   EXPECT_EQ(slam.submaps().size(), 1U);
+}
+
+// A stream that has no frames for 5 s: meanwhile the camera was carried back, drove on to where it had been
+// before, or stood.
+TEST_F(Lost, AfterASilenceOfTheStreamAKnownPlaceIsRecognised) {
+  for (const double goes_on : {10.3, 25.0, 39.5}) {
+    truth.clear();
+    silence = 0.0;
+    test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
+    drive(slam, 0.0, 40.0);
+    silence = 5.0;
+    drive(slam, goes_on, goes_on + 12.0);
+    EXPECT_LE(slam.lost(), 1) << goes_on;
+    EXPECT_LT(error(slam, truth.size() - 10), 0.3) << goes_on;
+    EXPECT_LT(error(slam, truth.size() - 1), 0.3) << goes_on;
+    EXPECT_EQ(slam.submaps().size(), 1U) << goes_on;
+  }
+}
+
+TEST_F(Lost, AfterASilenceOfTheStreamNewGroundIsTiedToTheMapLater) {
+  test::RecordedSlam slam(world.camera(), Sensor::stereo, settings);
+  drive(slam, 0.0, 25.0);
+  silence = 5.0;  // in which it drove 35 m
+  drive(slam, 60.0, 124.0);
+  slam.finish();
+  EXPECT_LE(slam.lost(), 5);
+  ASSERT_EQ(slam.submaps().size(), 1U);
+  EXPECT_LT(error(slam, 40), 0.3);
 }
 
 TEST_F(Lost, DoubleAndTripleStepAreFollowed) {
