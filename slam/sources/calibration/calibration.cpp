@@ -49,7 +49,7 @@ std::string lens_text(const LensCamera& lens, std::string_view indent) {
   if (!lens.distortion.empty()) {
     text += fmt::format("{0}distortion_model: {1}\n{0}distortion: [{2}]\n", indent,
                         fisheye                       ? "equidistant"
-                        : lens.distortion.size() == 8 ? "rational"
+                        : lens.distortion.size() >= 8 ? "rational"
                                                       : "radial-tangential",
                         fmt::join(lens.distortion, ", "));
   }

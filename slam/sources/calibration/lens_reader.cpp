@@ -39,7 +39,8 @@ void set_lens_model(LensCamera& camera, std::string_view name, const std::vector
     most = 5;
   } else if (is_one_of({"rationalpolynomial", "rational"})) {
     camera.model = LensModel::radial_tangential;
-    fewest = most = 8;
+    fewest = 8;
+    most = 14;
   } else if (is_one_of({"equidistant", "equi", "fisheye", "kannalabrandt", "kannalabrandt4"})) {
     camera.model = LensModel::equidistant;
     fewest = most = 4;
@@ -47,8 +48,13 @@ void set_lens_model(LensCamera& camera, std::string_view name, const std::vector
     throw InputError(place, "a distortion model: radial-tangential, rational, equidistant or none",
                      fmt::format("'{}'", printable(name, 40)));
   }
-  if (distortion.size() < fewest || distortion.size() > most) {
-    throw InputError(place, fmt::format("{} to {} coefficients of the model {}", fewest, most, name),
+  // The rational model's come by the piece: 8, with a thin prism 12, with a tilted sensor 14.
+  const bool in_pieces = most == 14;
+  const bool is_a_number_of_them = !in_pieces || distortion.size() % 4 == 0 || distortion.size() == most;
+  if (distortion.size() < fewest || distortion.size() > most || !is_a_number_of_them) {
+    throw InputError(place,
+                     in_pieces ? fmt::format("8, 12 or 14 coefficients of the model {}", name)
+                               : fmt::format("{} to {} coefficients of the model {}", fewest, most, name),
                      fmt::format("{}", distortion.size()));
   }
   camera.distortion = distortion;

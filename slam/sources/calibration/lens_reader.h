@@ -21,9 +21,9 @@ namespace penumbra::slam {
 LensCamera read_lens(const YamlFile& yaml, const std::string& prefix);
 
 // "radial-tangential" ("radtan", "brown_conrady", ROS's "plumb_bob"), "rational" (ROS's
-// "rational_polynomial"), "equidistant" ("equi", "fisheye", "kannala_brandt") or "none", in any letters
-// (plain_word). Throws InputError naming `place` for another name, or where `distortion` has another number
-// of coefficients than the model.
+// "rational_polynomial"; 8, 12 or 14 coefficients), "equidistant" ("equi", "fisheye", "kannala_brandt") or
+// "none", in any letters (plain_word). Throws InputError naming `place` for another name, or where
+// `distortion` has another number of coefficients than the model.
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place);
 

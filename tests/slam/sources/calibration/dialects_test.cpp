@@ -220,17 +220,27 @@ TEST_F(Dialects, OpencvsStorageUnderItsUsualNames) {
 }
 
 TEST_F(Dialects, OpencvsRationalModelIsWrittenBack) {
-  std::string text;
-  for (const char* side : {"1", "2"}) {
-    text += matrix(fmt::format("K{}", side), 3, 3, camera_matrix(kRig.left)) +
-            matrix(fmt::format("D{}", side), 1, 8, "0.1, 0.02, 0.001, -0.001, 0.003, 0.2, 0.01, 0.001");
+  const std::vector<double> all = {0.1,    0.02,   0.001,   -0.001, 0.003,  0.2,  0.01,
+                                   0.0015, 0.0005, -0.0003, 0.0002, 0.0001, 0.02, -0.01};
+  const auto storage = [&](std::size_t count) {
+    std::string text;
+    for (const char* side : {"1", "2"}) {
+      text += matrix(fmt::format("K{}", side), 3, 3, camera_matrix(kRig.left)) +
+              matrix(fmt::format("D{}", side), 1, static_cast<int>(count),
+                     numbers({all.data(), all.data() + count}));
+    }
+    text += matrix("R", 3, 3, rotation(Eigen::Matrix3d::Identity())) + matrix("T", 3, 1, "-0.1, 0, 0") +
+            "image_width: 752\nimage_height: 480\n";
+    return write("rational.yml", text);
+  };
+  for (const std::size_t count : {8U, 12U, 14U}) {
+    const CameraFile read = read_camera_file(storage(count));
+    EXPECT_EQ(read.left.distortion.size(), count);
+    const CameraFile again = read_camera_file(write("ours.yaml", calibration_text(read)));
+    EXPECT_EQ(again.left.distortion, read.left.distortion);
   }
-  text += matrix("R", 3, 3, rotation(Eigen::Matrix3d::Identity())) + matrix("T", 3, 1, "-0.1, 0, 0") +
-          "image_width: 752\nimage_height: 480\n";
-  const CameraFile read = read_camera_file(write("rational.yml", text));
-  EXPECT_EQ(read.left.distortion.size(), 8U);
-  const CameraFile again = read_camera_file(write("ours.yaml", calibration_text(read)));
-  EXPECT_EQ(again.left.distortion, read.left.distortion);
+  for (const std::size_t count : {9U, 10U, 13U})
+    test::expect_error<InputError>([&] { read_camera_file(storage(count)); }, {"8, 12 or 14 coefficients"});
 }
 
 TEST_F(Dialects, SensorYamlOfBothCameras) {
