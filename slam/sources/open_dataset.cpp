@@ -46,7 +46,7 @@ constexpr struct {
     {"data_2d_raw", "all of KITTI-360 (its drives, data_2d_raw/NAME, are read)"},
     {"distorted_images", "4Seasons' distorted images"},
     {"stereo.timestamps", "RobotCar's layout, whose raw images need its own tables"},
-    {"aligned_depth.txt", "OpenLORIS' layout"},
+    {"aligned_depth.txt", "OpenLORIS' layout without its color.txt"},
     {"rgb_left", "a layout with rgb_left/"},
     {"metadata.yaml", "the folder of a ROS 2 bag without its .mcap or .db3 file"},
 };

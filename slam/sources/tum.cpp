@@ -10,6 +10,7 @@
 #include "slam/sources/calibration/calibration.h"
 #include "slam/sources/folder_listing.h"
 #include "slam/sources/image_list.h"
+#include "slam/sources/openloris.h"
 #include "slam/sources/recorded_sequence.h"
 
 namespace penumbra::slam {
@@ -69,6 +70,19 @@ std::string names_of(const fs::path& asked, const fs::path& folder) {
   return own.filename().string() + ", " + folder.filename().string();
 }
 
+// The two lists, and what the layout is called.
+struct Lists {
+  const char* colour;
+  const char* depth;
+  const char* layout;
+};
+constexpr Lists kTum{"rgb.txt", "depth.txt", "TUM RGB-D"};
+constexpr Lists kOpenLoris{"color.txt", "aligned_depth.txt", "OpenLORIS"};
+
+bool is_openloris(const fs::path& folder) {
+  return is_present(folder / kOpenLoris.colour) && is_present(folder / kOpenLoris.depth);
+}
+
 CameraFile find_camera(const fs::path& folder, const std::string& names) {
   if (is_present(folder / "calibration.yaml")) {
     CameraFile file = read_camera_file(folder / "calibration.yaml");
@@ -78,6 +92,7 @@ CameraFile find_camera(const fs::path& folder, const std::string& names) {
     }
     return file;
   }
+  if (is_openloris(folder)) return read_openloris_camera(folder / "sensors.yaml");
   // ETH3D's.
   if (is_present(folder / "calibration.txt")) return read_camera_file(folder / "calibration.txt");
   for (const KnownCamera& known : kCameras) {
@@ -95,27 +110,45 @@ CameraFile find_camera(const fs::path& folder, const std::string& names) {
                    fmt::format("neither in '{}'", names));
 }
 
+// OpenLORIS' truth is the path of the robot's base: what it says of its cameras makes it theirs.
+void carry_to_camera(const fs::path& folder, const RecordedCamera& camera, Recording& recording) {
+  const fs::path file = folder / "trans_matrix.yaml";
+  const std::optional<SE3> T_base_camera = is_present(file) ? read_openloris_mounting(file) : std::nullopt;
+  if (!T_base_camera) {
+    recording.notes.push_back(
+        "the ground truth is the path of the robot's base, and no trans_matrix.yaml says where its camera "
+        "is: "
+        "errors have the way between them in");
+    return;
+  }
+  SE3 T_left_rectified;
+  T_left_rectified.rotation = camera.R_rectified_left.transpose();
+  for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * *T_base_camera * T_left_rectified;
+}
+
 }  // namespace
 
 bool looks_like_tum(const fs::path& path) {
-  return is_present(path / "rgb.txt") || (is_folder(path / "rgb") && !is_present(path / "calibration.yaml"));
+  return is_present(path / "rgb.txt") || is_openloris(path) ||
+         (is_folder(path / "rgb") && !is_present(path / "calibration.yaml"));
 }
 
 std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptions& options) {
   require_dataset_folder(path);
   const fs::path folder = fs::canonical(path);
   const std::string name = folder.filename().string();
-  const ImageList colour_list = read_tum_image_list(folder / "rgb.txt");
-  const ImageList depth_list = read_tum_image_list(folder / "depth.txt");
+  const Lists& lists = is_openloris(folder) ? kOpenLoris : kTum;
+  const ImageList colour_list = read_tum_image_list(folder / lists.colour);
+  const ImageList depth_list = read_tum_image_list(folder / lists.depth);
   const std::vector<ListedImage>&colour = colour_list.images, &depth = depth_list.images;
   const CameraFile file = find_camera(folder, names_of(path, folder));
   const RecordedCamera camera = make_camera(file);
 
   const double pair_within = options.pair_within.value_or(kSameTime);
   Recording recording;
-  recording.name = "TUM RGB-D " + name;
+  recording.name = fmt::format("{} {}", lists.layout, name);
   recording.notes = joined_notes(colour_list, depth_list);
-  note_unused_rate(options.frame_rate, folder / "rgb.txt", recording.notes);
+  note_unused_rate(options.frame_rate, folder / lists.colour, recording.notes);
   recording.place = folder.string();
   recording.sensor = Sensor::rgbd;
   recording.camera = camera.camera;
@@ -132,6 +165,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   }
   if (is_present(folder / "groundtruth.txt")) {
     recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt", &recording.notes);
+    if (is_openloris(folder)) carry_to_camera(folder, camera, recording);
   }
   return open_recording(std::move(recording), options);
 }

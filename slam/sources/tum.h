@@ -7,6 +7,9 @@
 //                           is known by the folder's name, which says freiburg1, freiburg2 or freiburg3 (or
 //                           fr1, fr2, fr3), or rgbd_bonn
 //
+// OpenLORIS-Scene lies the same way with other names: color.txt, aligned_depth.txt, and sensors.yaml
+// (openloris.h).
+//
 // A frame is a colour image and the depth image nearest in time, at most 0.02 s away; images without a
 // partner are left out, with a note. The frame's time is the colour image's. Colour and depth of freiburg1
 // and 2 are undistorted alike: depth is registered to the colour camera.
@@ -23,7 +26,7 @@ namespace penumbra::slam {
 // Throws InputError naming the file and what is wrong with it.
 std::unique_ptr<StereoDataset> open_tum(const std::filesystem::path& path, const DatasetOptions& options);
 
-// Whether there is an rgb.txt, or an rgb/ without calibration.yaml.
+// Whether there is an rgb.txt, an rgb/ without calibration.yaml, or OpenLORIS' two lists.
 bool looks_like_tum(const std::filesystem::path& path);
 
 }  // namespace penumbra::slam

@@ -173,6 +173,52 @@ TEST_F(Tum, BadCalibrationIsRefused) {
   with("width: 80\n", "", {"width and height", "one of them"});
 }
 
+const char* const kOpenLorisSensors =
+    "%YAML:1.0\n---\nt265_gyroscope:\n   sensor_type: gyroscope\n   fps: 200\n   bias_variances: "
+    "!!opencv-matrix\n"
+    "      rows: 1\n      cols: 3\n      dt: d\n      data: [ 1.0e-07, 2.0e-07,\n          3.0e-07 ]\n"
+    "d400_color_optical_frame:\n   sensor_type: camera\n   sensor_name: d400_color_optical_frame\n   fps: "
+    "30\n"
+    "   width: 80\n   height: 60\n   model: pinhole\n   intrinsics: !!opencv-matrix\n      rows: 1\n      "
+    "cols: 4\n"
+    "      dt: d\n      data: [ 6.1e+01, 4.1e+01, 6.2e+01,\n          2.9e+01 ]\n"
+    "   distortion_model: radial-tangential\n   distortion_coefficients: !!opencv-matrix\n      rows: 1\n"
+    "      cols: 5\n      dt: d\n      data: [ 0., 0., 0., 0., 0. ]\n";
+// The camera, 1 m above the robot's base, looks along the robot's x.
+const char* const kOpenLorisMounting =
+    "%YAML:1.0\n---\ntrans_matrix:\n   -\n      parent_frame: base_link\n      child_frame: laser\n"
+    "      matrix: !!opencv-matrix\n         rows: 4\n         cols: 4\n         dt: d\n"
+    "         data: [ 1., 0., 0., 9., 0., 1., 0., 9., 0., 0., 1., 9., 0., 0., 0., 1. ]\n   -\n"
+    "      parent_frame: base_link\n      child_frame: d400_color_optical_frame\n"
+    "      matrix: !!opencv-matrix\n         rows: 4\n         cols: 4\n         dt: d\n"
+    "         data: [ 0., 0., 1., 0.25, -1., 0., 0., 0.,\n             0., -1., 0., 1., 0., 0., 0., 1. ]\n";
+
+TEST_F(Tum, OpenLorisHasTheSameListsUnderOtherNames) {
+  fs::remove(root() / "calibration.yaml");
+  fs::rename(root() / "rgb.txt", root() / "color.txt");
+  fs::rename(root() / "depth.txt", root() / "aligned_depth.txt");
+  nn::write_file(root() / "sensors.yaml", kOpenLorisSensors);
+  nn::write_file(root() / "trans_matrix.yaml", kOpenLorisMounting);
+  const std::unique_ptr<StereoDataset> dataset = open_dataset(root());
+  EXPECT_TRUE(dataset->name().starts_with("OpenLORIS ")) << dataset->name();
+  EXPECT_EQ(dataset->size(), kFrames);
+  EXPECT_EQ(dataset->camera().fx, 61.0);
+  EXPECT_EQ(dataset->camera().cx, 41.0);
+  EXPECT_EQ(dataset->camera().fy, 62.0);
+  EXPECT_EQ(dataset->camera().cy, 29.0);
+  ASSERT_TRUE(dataset->ground_truth());
+  const SE3& camera = (*dataset->ground_truth())[2].T_wc;
+  EXPECT_NEAR((camera.translation - Eigen::Vector3d(2.25, 0.0, 1.0)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((camera.rotation.col(2) - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-9);
+
+  fs::remove(root() / "trans_matrix.yaml");
+  const std::unique_ptr<StereoDataset> of_base = open_dataset(root());
+  EXPECT_NEAR((*of_base->ground_truth())[2].T_wc.translation.z(), 0.0, 1e-9);
+  EXPECT_NE(of_base->notes().back().find("the path of the robot's base"), std::string::npos);
+  nn::write_file(root() / "sensors.yaml", "d400_color_optical_frame:\n   width: 80\n   height: 60\n");
+  expect_error<InputError>([&] { open_dataset(root()); }, {"sensors.yaml", "intrinsics"});
+}
+
 TEST(TumRealData, PieceOfXyzIsRead) {
   PENUMBRA_REAL_DATA(folder, "tum/rgbd_dataset_freiburg1_xyz");
   const std::unique_ptr<StereoDataset> dataset = open_dataset(folder);
