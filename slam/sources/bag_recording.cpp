@@ -12,6 +12,7 @@
 #include "slam/sources/bag_topics.h"
 #include "slam/sources/calibration/calibration.h"
 #include "slam/sources/camera_info.h"
+#include "slam/sources/fixed_frames.h"
 #include "slam/sources/image_list.h"
 #include "slam/sources/recorded_sequence.h"
 
@@ -72,8 +73,8 @@ struct TimedImages {
   }
 };
 
-RecordedCamera camera_of(const ChosenTopics& topics, const DatasetOptions& options, const std::string& place,
-                         std::vector<std::string>& notes) {
+RecordedCamera camera_of(const BagIndex& index, const ChosenTopics& topics, const DatasetOptions& options,
+                         const std::string& place, std::vector<std::string>& notes) {
   if (!options.camera.empty()) {
     CameraFile file = read_camera_file(options.camera);
     if (file.sensor != topics.sensor) {
@@ -101,6 +102,13 @@ RecordedCamera camera_of(const ChosenTopics& topics, const DatasetOptions& optio
   const SaidCamera left = said(topics.left_camera, *topics.left);
   if (topics.sensor == Sensor::rgbd) return rgbd_camera(left, says_rectified(topics.left->name));
   const SaidCamera right = said(topics.second_camera, *topics.second);
+  if (!has_baseline(left.info, right.info)) {
+    if (const auto T_right_left = fixed_transform(index.fixed, right.info.frame, left.info.frame)) {
+      notes.push_back(fmt::format("the cameras do not say how far they are apart; /tf_static does: {:.4g} m",
+                                  T_right_left->translation.norm()));
+      return stereo_camera_at(left, right, *T_right_left);
+    }
+  }
   return stereo_camera(left, right, says_rectified(topics.left->name) && says_rectified(topics.second->name));
 }
 
@@ -135,7 +143,7 @@ std::unique_ptr<StereoDataset> open_bag_recording(const fs::path& path, const Da
         found);
   }
   Recording recording;
-  const RecordedCamera camera = camera_of(*topics, options, place, recording.notes);
+  const RecordedCamera camera = camera_of(index, *topics, options, place, recording.notes);
   const bool rgbd = topics->sensor == Sensor::rgbd;
 
   recording.name = fmt::format("{} {}", source->kind(), path.filename().string());

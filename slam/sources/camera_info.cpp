@@ -152,6 +152,14 @@ RecordedCamera stereo_camera(const SaidCamera& left, const SaidCamera& right, bo
   const double baseline = baseline_of(left, right);
   SE3 T_right_left = motion_of_rectified(rotation_of(left), rotation_of(right), baseline);
   T_right_left.normalize();
+  return stereo_camera_at(left, right, T_right_left);
+}
+
+bool has_baseline(const CameraInfoMessage& left, const CameraInfoMessage& right) {
+  return !are_zeros(left.P) && !are_zeros(right.P) && left.P[3] != right.P[3];
+}
+
+RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right, const SE3& T_right_left) {
   CameraFile file;
   file.rectified = false;
   file.left = raw_lens(left);

@@ -32,6 +32,10 @@ bool says_rectified(std::string_view image_topic);
 // Throw InputError naming the topic where the camera is not calibrated (K is zeros), where P has no baseline,
 // and for distortion that is of none of these models.
 RecordedCamera stereo_camera(const SaidCamera& left, const SaidCamera& right, bool names_say_rectified);
+// Whether P says how far the cameras are apart.
+bool has_baseline(const CameraInfoMessage& left, const CameraInfoMessage& right);
+// The same where it does not, by K and D of each and by where the cameras stand.
+RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right, const SE3& T_right_left);
 // The camera of the colour image, to which depth is registered; the baseline is kNominalBaseline.
 RecordedCamera rgbd_camera(const SaidCamera& said, bool name_says_rectified);
 

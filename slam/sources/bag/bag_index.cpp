@@ -22,6 +22,9 @@ class Indexer {
       take_image(message, topic, encoding);
     } else if (topic.type == "sensor_msgs/CameraInfo") {
       take_camera(message, topic, encoding);
+    } else if (topic.name.ends_with("tf_static") &&
+               (topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage")) {
+      take_transforms(message, topic, encoding);
     }
   }
 
@@ -34,6 +37,7 @@ class Indexer {
       index.images.push_back(std::move(images));
     }
     for (auto& [topic, camera] : cameras_) index.cameras.push_back(std::move(camera));
+    for (auto& [child, transform] : fixed_) index.fixed.push_back(std::move(transform));
     const auto by_name = [](const auto& a, const auto& b) { return a.name < b.name; };
     std::stable_sort(index.images.begin(), index.images.end(), by_name);
     std::stable_sort(index.cameras.begin(), index.cameras.end(), by_name);
@@ -97,7 +101,19 @@ class Indexer {
     }
   }
 
+  void take_transforms(const Message& message, const Topic& topic, MessageEncoding encoding) {
+    constexpr std::size_t kMost = 10'000;  // frames of a robot
+    try {
+      for (TransformMessage& transform : read_transforms(message.bytes, encoding, topic.name)) {
+        if (fixed_.size() < kMost) fixed_[transform.child] = std::move(transform);
+      }
+    } catch (const InputError&) {
+      return;
+    }
+  }
+
   const MessageSource& source_;
+  std::map<std::string, TransformMessage> fixed_;  // by the frame that stands somewhere
   std::map<std::size_t, ImageTopic> images_;
   std::map<std::size_t, CameraTopic> cameras_;
 };

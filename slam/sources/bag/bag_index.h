@@ -48,8 +48,9 @@ struct CameraTopic {
 };
 
 struct BagIndex {
-  std::vector<ImageTopic> images;    // topics with at least one image, in the order of their names
-  std::vector<CameraTopic> cameras;  // likewise
+  std::vector<ImageTopic> images;       // topics with at least one image, in the order of their names
+  std::vector<CameraTopic> cameras;     // likewise
+  std::vector<TransformMessage> fixed;  // of /tf_static: the last that each frame has
 };
 
 BagIndex index_bag(MessageSource& source);

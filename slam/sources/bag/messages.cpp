@@ -45,4 +45,20 @@ CameraInfoMessage read_camera_info(std::string_view bytes, MessageEncoding encod
   return info;
 }
 
+std::vector<TransformMessage> read_transforms(std::string_view bytes, MessageEncoding encoding,
+                                              std::string_view place) {
+  MessageReader reader(bytes, encoding, place);
+  const auto count = reader.number<std::uint32_t>();
+  std::vector<TransformMessage> transforms;
+  for (std::uint32_t i = 0; i < count; ++i) {  // ends by itself where the bytes do
+    TransformMessage transform;
+    transform.parent = reader.header().frame;
+    transform.child = reader.text();
+    transform.translation = reader.numbers<3>();
+    transform.rotation = reader.numbers<4>();
+    transforms.push_back(std::move(transform));
+  }
+  return transforms;
+}
+
 }  // namespace penumbra::slam

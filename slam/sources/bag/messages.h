@@ -1,4 +1,4 @@
-// The messages of sensor_msgs that carry images and cameras.
+// The messages of sensor_msgs that carry images and cameras, and of tf2_msgs that say where things stand.
 #pragma once
 
 #include <array>
@@ -42,10 +42,20 @@ struct CameraInfoMessage {
   bool operator==(const CameraInfoMessage&) const = default;
 };
 
+// geometry_msgs/TransformStamped: p_parent = R(x y z w) p_child + translation.
+struct TransformMessage {
+  std::string parent, child;
+  std::array<double, 3> translation{};  // metres
+  std::array<double, 4> rotation{};     // quaternion x y z w
+};
+
 // Each throws InputError naming `place` where the bytes are not such a message.
 ImageMessage read_image_message(std::string_view bytes, MessageEncoding encoding, std::string_view place);
 CompressedImageMessage read_compressed_image(std::string_view bytes, MessageEncoding encoding,
                                              std::string_view place);
 CameraInfoMessage read_camera_info(std::string_view bytes, MessageEncoding encoding, std::string_view place);
+// tf2_msgs/TFMessage.
+std::vector<TransformMessage> read_transforms(std::string_view bytes, MessageEncoding encoding,
+                                              std::string_view place);
 
 }  // namespace penumbra::slam

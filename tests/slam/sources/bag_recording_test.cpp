@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <array>
+
 #include "nn/base/error.h"
 #include "tests/support/bag_files.h"
 #include "tests/support/expect_error.h"
@@ -73,6 +76,47 @@ class BagRecording : public testing::Test {
   }
   test::TemporaryDirectory folder_;
 };
+
+struct Stands {
+  std::string parent, child;
+  Eigen::Vector3d at;
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+};
+BagMessage fixed_frames(const std::vector<Stands>& all, Wire wire = Wire::ros1) {
+  test::MessageBytes bytes(wire);
+  bytes.number(static_cast<std::uint32_t>(all.size()));
+  for (const Stands& one : all) {
+    const Eigen::Quaterniond& q = one.rotation;
+    bytes.header(0, one.parent).text(one.child);
+    bytes.numbers(std::array{one.at.x(), one.at.y(), one.at.z(), q.x(), q.y(), q.z(), q.w()});
+  }
+  return {"/tf_static", "tf2_msgs/TFMessage", 1, bytes.bytes()};
+}
+
+// Cameras that were calibrated each by itself: P[3] is 0.
+TEST_F(BagRecording, WhereTheRightCameraStandsMayBeAFixedFrame) {
+  std::vector<BagMessage> messages = five_pairs();
+  test::CameraParts left = pinhole(kWidth, kHeight, 60), right = pinhole(kWidth, kHeight, 60);
+  left.frame = "left_optical";
+  right.frame = "/right_optical";
+  messages[0] = camera("/left/camera_info", left);
+  messages[1] = camera("/right/camera_info", right);
+  expect_refused(messages, {"no baseline"});
+  // The body's x is ahead; the cameras' z is.
+  const Eigen::Quaterniond ahead(0.5, -0.5, 0.5, -0.5);
+  messages.push_back(fixed_frames({{"base", "head", {0.0, 0.0, 1.0}},
+                                   {"head", "left_optical", {0.2, 0.06, 0.0}, ahead},
+                                   {"base", "right_optical", {0.2, -0.06, 1.0}, ahead}}));
+  const auto dataset = open(messages);
+  EXPECT_NEAR(dataset->camera().baseline, 0.12, 1e-9);
+  EXPECT_NEAR(dataset->camera().fx, 60.0, 1e-6);
+  EXPECT_TRUE(says(*dataset, "/tf_static does: 0.12 m"));
+  messages.back() = fixed_frames({{"base", "left_optical", {0.0, 0.0, 0.0}}});  // nothing of the right one
+  expect_refused(messages, {"no baseline"});
+  messages.back() =
+      fixed_frames({{"left_optical", "right_optical", {-0.1, 0.0, 0.0}}});  // it is the left one
+  expect_refused(messages, {"are they swapped?"});
+}
 
 TEST_F(BagRecording, AStereoPairIsFoundByItsNames) {
   const auto dataset = open(five_pairs());
