@@ -78,6 +78,19 @@ const MessageType kTransforms = {
                 kVector,
                 kQuaternion})};
 
+const MessageType kCompressedImage = {
+    "sensor_msgs/msg/CompressedImage",
+    definition("std_msgs/Header header\nstring format\nuint8[] data\n", {})};
+const MessageType kOccupancyGrid = {
+    "nav_msgs/msg/OccupancyGrid",
+    definition("std_msgs/Header header\nMapMetaData info\nint8[] data\n",
+               {{"nav_msgs/MapMetaData",
+                 "builtin_interfaces/Time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\n"
+                 "geometry_msgs/Pose origin\n"},
+                kPose,
+                kPoint,
+                kQuaternion})};
+
 std::string pose_message(std::int64_t time, const slam::SE3& T_map_camera) {
   MessageWriter message;
   message.header(time, "map");
@@ -134,6 +147,40 @@ std::string world_transform_message(std::int64_t time) {
   T_world_map.rotation << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   T_world_map.translation.setZero();
   return transform_message(time, "world", "map", T_world_map);
+}
+
+std::string jpeg_message(std::int64_t time, std::string_view jpeg) {
+  MessageWriter message;
+  message.header(time, "camera");
+  message.text("jpeg");
+  message.byte_list(jpeg);
+  return message.bytes();
+}
+
+std::string plan_message(std::int64_t time, const slam::OccupancyGrid& plan) {
+  MessageWriter message;
+  message.header(time, "plan");
+  message.number(static_cast<std::int32_t>(0));  // when it was loaded: never
+  message.number(static_cast<std::uint32_t>(0));
+  message.number(static_cast<float>(plan.cell));
+  message.number(static_cast<std::uint32_t>(plan.cells.width()));
+  message.number(static_cast<std::uint32_t>(plan.cells.height()));
+  put_pose(message, {Eigen::Matrix3d::Identity(), {plan.origin.x(), plan.origin.y(), 0.0}});
+  std::string cells;  // from the lower left corner on: 0 free, 100 blocked, -1 unknown
+  for (int y = plan.cells.height() - 1; y >= 0; --y) {
+    for (int x = 0; x < plan.cells.width(); ++x) {
+      const std::uint8_t kind = plan.cells.at(x, y);
+      cells += static_cast<char>(kind == slam::OccupancyGrid::kFree      ? 0
+                                 : kind == slam::OccupancyGrid::kBlocked ? 100
+                                                                         : -1);
+    }
+  }
+  message.byte_list(cells);
+  return message.bytes();
+}
+
+std::string plan_transform_message(std::int64_t time, const slam::OccupancyGrid& plan) {
+  return transform_message(time, "map", "plan", plan.T_plan_world.inverse());
 }
 
 std::int64_t nanoseconds_of(double seconds) { return std::llround(seconds * 1e9); }

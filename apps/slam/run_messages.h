@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slam/geometry/trajectory.h"
+#include "slam/map/dense/occupancy_grid.h"
 #include "slam/map/ply.h"
 
 namespace penumbra::apps {
@@ -17,7 +18,7 @@ struct MessageType {
   const char* name;
   std::string definition;
 };
-extern const MessageType kPoseStamped, kPath, kPointCloud2, kTransforms;
+extern const MessageType kPoseStamped, kPath, kPointCloud2, kTransforms, kCompressedImage, kOccupancyGrid;
 
 std::string pose_message(std::int64_t time, const slam::SE3& T_map_camera);
 std::string path_message(std::int64_t time, const slam::Trajectory& poses);
@@ -25,6 +26,12 @@ std::string cloud_message(std::int64_t time, const std::vector<slam::PlyVertex>&
 // Where the camera is, and how the map lies in the world.
 std::string camera_transform_message(std::int64_t time, const slam::SE3& T_map_camera);
 std::string world_transform_message(std::int64_t time);
+
+// A JPEG of what the camera saw.
+std::string jpeg_message(std::int64_t time, std::string_view jpeg);
+// A plan of the floor in its own frame, "plan", and where that lies on the map: plan.T_plan_world.
+std::string plan_message(std::int64_t time, const slam::OccupancyGrid& plan);
+std::string plan_transform_message(std::int64_t time, const slam::OccupancyGrid& plan);
 
 std::int64_t nanoseconds_of(double seconds);
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -198,11 +199,14 @@ TEST(BagCommands, ExportWritesWhatTheRunFound) {
   EXPECT_TRUE(source->notes().empty()) << source->notes().front();
   std::map<std::string, std::uint64_t> counts;
   for (const slam::Topic& topic : source->topics()) counts[topic.name + " " + topic.type] = topic.messages;
-  const std::map<std::string, std::uint64_t> expected = {{"/map sensor_msgs/PointCloud2", 1},
-                                                         {"/path nav_msgs/Path", 1},
-                                                         {"/pose geometry_msgs/PoseStamped", kFrames},
-                                                         {"/tf tf2_msgs/TFMessage", kFrames},
-                                                         {"/tf_static tf2_msgs/TFMessage", 1}};
+  const fs::directory_iterator gallery(run / "gallery");
+  const auto pictures = static_cast<std::uint64_t>(std::count_if(
+      begin(gallery), end(gallery), [](const auto& entry) { return entry.path().extension() == ".jpg"; }));
+  EXPECT_GT(pictures, 0U);
+  const std::map<std::string, std::uint64_t> expected = {
+      {"/map sensor_msgs/PointCloud2", 1}, {"/overlay sensor_msgs/CompressedImage", pictures},
+      {"/path nav_msgs/Path", 1},          {"/pose geometry_msgs/PoseStamped", kFrames},
+      {"/tf tf2_msgs/TFMessage", kFrames}, {"/tf_static tf2_msgs/TFMessage", 1}};
   EXPECT_EQ(counts, expected);
   const std::size_t points = slam::read_ply(run / "map.ply").size();
   const std::string cloud = read_file(pcd);

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "slam/map/dense/cloud_files.h"
+#include "slam/map/dense/occupancy_grid.h"
+#include "slam/sources/bag/message_source.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_data.h"
 
@@ -104,6 +106,26 @@ TEST_F(DenseRun, MapsAStreetFromPairsOfImages) {
   EXPECT_GT(score["blocked_m2"], 8.0) << eval.out;
   EXPECT_GT(score["blocked_within_a_cell"], 0.95) << eval.out;
   EXPECT_GT(score["obstacles_within_a_cell"], 0.85) << eval.out;
+
+  // The plan is in what is exported, too.
+  const std::string mcap = folder() + "/street.mcap";
+  ASSERT_EQ(test::run_penumbra(fmt::format("export '{}_run' --mcap '{}'", street, mcap)).exit_code, 0);
+  const auto source = slam::open_bag(mcap);
+  const slam::OccupancyGrid plan = slam::read_occupancy(street + "_run/plan.yaml");
+  std::string cells;  // from the lower left corner on
+  for (int y = plan.cells.height() - 1; y >= 0; --y) {
+    for (int x = 0; x < plan.cells.width(); ++x) {
+      const std::uint8_t kind = plan.cells.at(x, y);
+      cells += static_cast<char>(kind == slam::OccupancyGrid::kFree      ? 0
+                                 : kind == slam::OccupancyGrid::kBlocked ? 100
+                                                                         : -1);
+    }
+  }
+  int plans = 0;
+  source->read_all([&](const slam::Message& message) {
+    if (source->topics()[message.topic].name == "/plan") plans += message.bytes.ends_with(cells);
+  });
+  EXPECT_EQ(plans, 1);
 }
 
 TEST_F(DenseRun, RefusesWhatHasNoTruth) {

@@ -34,3 +34,7 @@ for (t, x, y, z, qx, qy, qz, qw), message, of_path in zip(poses, found["/pose"],
 cloud = found["/map"][0]
 assert [f.name for f in cloud.fields] == ["x", "y", "z", "rgb"] and len(cloud.data) == cloud.width * cloud.point_step
 assert found["/tf_static"][0].transforms[0].child_frame_id == "map"
+assert found["/overlay"] and all(m.format == "jpeg" and bytes(m.data[:2]) == b"\xff\xd8" for m in found["/overlay"])
+for plan in found.get("/plan", []):
+    assert len(plan.data) == plan.info.width * plan.info.height and set(plan.data) <= {-1, 0, 100}
+    assert found["/tf_static"][1].transforms[0].child_frame_id == plan.header.frame_id
