@@ -11,6 +11,7 @@
 #include "nn/base/counter_random.h"
 #include "nn/io/image_transform.h"
 #include "nn/layers/activations.h"
+#include "nn/layers/best_scores.h"
 #include "nn/layers/channel_attention.h"
 #include "nn/layers/conv_transpose2d.h"
 #include "nn/layers/mask_paste.h"
@@ -139,6 +140,14 @@ void bench_layers(const BenchmarkOptions& options) {
   table.add("transposed 2x2, 16 x 256 x 14 x 14", 5 * megabytes(mask_features),
             [&](nn::Arena& arena) { upsample(mask_features, arena); });
 
+  const nn::Tensor logits =
+      random_tensor({3 * (kHeight / 4) * (kWidth / 4)});  // of the finest level's anchors
+  table.add("the best 1000 of 104832 scores", 4e-6 * static_cast<double>(logits.values.size()),
+            [&](nn::Arena& arena) {
+              nn::BestScores best(arena, 1000);
+              for (std::uint32_t i = 0; i < logits.values.size(); ++i) best.offer(logits.values[i], i);
+              best.sorted();
+            });
   const std::vector<nn::Box> boxes = random_boxes(5000);
   table.add("NMS of 5000 boxes, 1000 kept", 1e-6 * 5000 * 24, [&](nn::Arena& arena) {
     nn::Candidates candidates(arena, boxes.size());

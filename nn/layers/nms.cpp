@@ -2,49 +2,58 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
+#include <iterator>
+#include <limits>
+
+#include "nn/layers/best_scores.h"
+#include "nn/simd/kernel_table.h"
 
 namespace penumbra::nn {
 
 namespace {
 
 constexpr int kNone = -1;
-constexpr int kLanes = 8;
 
-// Kept boxes of one group, side by side, so that a candidate is compared with all of them in vector code.
-struct KeptBoxes {
-  float x1[kLanes], y1[kLanes], x2[kLanes], y2[kLanes], area[kLanes];
-  int count;
-  int before;  // the group's boxes kept before these; kNone for none
-};
+BoxLanes empty_lanes(int before) {
+  BoxLanes lanes{};
+  std::fill(std::begin(lanes.area), std::end(lanes.area), std::numeric_limits<float>::quiet_NaN());
+  lanes.before = before;
+  return lanes;
+}
 
-void add(const Box& box, KeptBoxes& kept) {
-  const int lane = kept.count++;
-  kept.x1[lane] = box.x1;
-  kept.y1[lane] = box.y1;
-  kept.x2[lane] = box.x2;
-  kept.y2[lane] = box.y2;
-  kept.area[lane] = box.area();
+void add(const Box& box, BoxLanes& lanes) {
+  const int lane = lanes.count++;
+  lanes.x1[lane] = box.x1;
+  lanes.y1[lane] = box.y1;
+  lanes.x2[lane] = box.x2;
+  lanes.y2[lane] = box.y2;
+  lanes.area[lane] = box.area();
 }
 
 // Whether the IoU with one of them is above the threshold: iou() of box.h, lane by lane.
-bool overlaps(const KeptBoxes& kept, const Box& box, float threshold) {
+bool overlaps(const BoxLanes& lanes, const Box& box, float threshold) {
   const float area = box.area();
-  float ious[kLanes];
-  for (int l = 0; l < kLanes; ++l) {
-    const float width = std::max(std::min(kept.x2[l], box.x2) - std::max(kept.x1[l], box.x1), 0.0F);
-    const float height = std::max(std::min(kept.y2[l], box.y2) - std::max(kept.y1[l], box.y1), 0.0F);
+  float ious[kBoxLanes];
+  for (int l = 0; l < kBoxLanes; ++l) {
+    const float width = std::max(std::min(lanes.x2[l], box.x2) - std::max(lanes.x1[l], box.x1), 0.0F);
+    const float height = std::max(std::min(lanes.y2[l], box.y2) - std::max(lanes.y1[l], box.y1), 0.0F);
     const float intersection = width * height;
-    const float all = kept.area[l] + area - intersection;
+    const float all = lanes.area[l] + area - intersection;
     ious[l] = all > 0.0F ? intersection / all : 0.0F;
   }
-  bool any = false;
-  for (int l = 0; l < kept.count; ++l) any = any || ious[l] > threshold;
-  return any;
+  return std::any_of(ious, ious + lanes.count, [=](float iou) { return iou > threshold; });
 }
 
-// Which score goes first; NaN, which no order holds, goes last.
-bool better(float a, float b) { return a > b || (b != b && a == a); }
+// The same for all boxes of a group, whose last ones are lanes[last].
+bool overlaps_any(const ArenaVector<BoxLanes>& lanes, int last, const Box& box, float threshold) {
+  FindOverlapArguments a{lanes.data(), last, box.x1, box.y1, box.x2, box.y2, box.area(), threshold};
+  while ((a.first = kernels().find_overlap(a)) != kNone) {
+    const BoxLanes& found = lanes[static_cast<std::size_t>(a.first)];
+    if (overlaps(found, box, threshold)) return true;
+    a.first = found.before;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -52,37 +61,30 @@ ArenaVector<int> batched_nms(const Candidates& candidates, const NmsOptions& opt
   const std::size_t capacity = candidates.boxes.capacity();
   const std::size_t most = std::min(capacity, static_cast<std::size_t>(std::max(options.max_kept, 0)));
   ArenaVector<int> kept(arena, most);
-  ArenaVector<int> order(arena, capacity);
-  order.resize(candidates.boxes.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    const float score_a = candidates.scores[static_cast<std::size_t>(a)];
-    const float score_b = candidates.scores[static_cast<std::size_t>(b)];
-    if (better(score_a, score_b)) return true;
-    return !better(score_b, score_a) && a < b;
-  });
+  ArenaVector<RankKey> order(arena, capacity);
+  for (std::size_t i = 0; i < candidates.scores.size(); ++i) {
+    order.push_back(rank_key(candidates.scores[i], static_cast<std::uint32_t>(i)));
+  }
+  std::sort(order.begin(), order.end());
 
   // A group's last ones may be few, so there are more of them than the boxes would fill.
   const auto groups = static_cast<std::size_t>(options.groups);
-  ArenaVector<KeptBoxes> boxes(arena, most / kLanes + std::min(most, groups));
+  ArenaVector<BoxLanes> lanes(arena, most / kBoxLanes + std::min(most, groups));
   ArenaVector<int> last_of_group(arena, groups);
   last_of_group.resize(last_of_group.capacity());
   std::fill(last_of_group.begin(), last_of_group.end(), kNone);
-  for (const int i : order) {
+  for (const RankKey key : order) {
     if (kept.size() == most) break;
-    const Box& box = candidates.boxes[static_cast<std::size_t>(i)];
-    int& last = last_of_group[static_cast<std::size_t>(candidates.groups[static_cast<std::size_t>(i)])];
-    int rivals = last;
-    while (rivals != kNone && !overlaps(boxes[static_cast<std::size_t>(rivals)], box, options.threshold)) {
-      rivals = boxes[static_cast<std::size_t>(rivals)].before;
+    const std::size_t i = index_of(key);
+    const Box& box = candidates.boxes[i];
+    int& last = last_of_group[static_cast<std::size_t>(candidates.groups[i])];
+    if (overlaps_any(lanes, last, box, options.threshold)) continue;
+    if (last == kNone || lanes[static_cast<std::size_t>(last)].count == kBoxLanes) {
+      lanes.push_back(empty_lanes(last));
+      last = static_cast<int>(lanes.size()) - 1;
     }
-    if (rivals != kNone) continue;
-    if (last == kNone || boxes[static_cast<std::size_t>(last)].count == kLanes) {
-      boxes.push_back(KeptBoxes{{}, {}, {}, {}, {}, 0, last});
-      last = static_cast<int>(boxes.size()) - 1;
-    }
-    add(box, boxes[static_cast<std::size_t>(last)]);
-    kept.push_back(i);
+    add(box, lanes[static_cast<std::size_t>(last)]);
+    kept.push_back(static_cast<int>(i));
   }
   return kept;
 }

@@ -15,6 +15,7 @@
 #include "nn/io/image_transform.h"
 #include "nn/layers/box.h"
 #include "nn/layers/conv2d.h"
+#include "nn/layers/nms.h"
 #include "nn/models/fpn.h"
 #include "nn/tensor/arena_vector.h"
 
@@ -44,6 +45,10 @@ class RegionProposalNetwork {
                               Arena& arena) const;
 
  private:
+  // Of a level's logits and deltas, [1, 5 A, H, W], the best ones.
+  void add_candidates(const FeatureMap& outputs, std::size_t level, const ImageExtent& image,
+                      Candidates& candidates, Arena& arena) const;
+
   RpnConfig config_;
   Conv2d conv_;
   Conv2d predictor_;  // A logits, then 4 A deltas: one pointwise convolution for both

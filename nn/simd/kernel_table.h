@@ -118,6 +118,22 @@ struct RoiAlignArguments {
   std::ptrdiff_t output_row_stride = 0;
 };
 
+// Boxes side by side, to be compared with one all at once; see nn/layers/nms.h.
+constexpr int kBoxLanes = 16;
+struct BoxLanes {
+  float x1[kBoxLanes], y1[kBoxLanes], x2[kBoxLanes], y2[kBoxLanes], area[kBoxLanes];  // NaN where none is
+  int count;
+  int before;  // index of the boxes to look at after these; -1 for none
+};
+// The first of `lanes`, from `first` on, in which a box may overlap this one by an IoU above the threshold,
+// or -1. A hundred-thousandth is left for rounding, so that whoever looks again decides exactly.
+struct FindOverlapArguments {
+  const BoxLanes* lanes = nullptr;
+  int first = -1;
+  float x1 = 0.0F, y1 = 0.0F, x2 = 0.0F, y2 = 0.0F, area = 0.0F;
+  float threshold = 0.0F;  // at least 0
+};
+
 // A row of a mixture of feature maps with shares that a softmax gives at every pixel; see nn/layers/asff.h.
 //   lambda_k[x] = bias_k + sum_c w_k[c] F_k[c, x / factor_k];   shares = softmax_k(lambda)
 //   y[c, x] = sum_k shares_k[x] F_k[c, x / factor_k]
@@ -168,6 +184,7 @@ struct KernelTable {
   // In place, `count` values; `slope` is read by leaky_relu alone. See nn/layers/activations.h.
   void (*activate)(float* values, std::ptrdiff_t count, Activation activation, float slope);
   void (*roi_align)(const RoiAlignArguments&);
+  int (*find_overlap)(const FindOverlapArguments&);
   void (*mix_row)(const MixRowArguments&);
   void (*attend)(const AttendArguments&);
 

@@ -11,6 +11,7 @@ void winograd_output(const WinogradOutputArguments& a);
 void winograd_weights(const WinogradWeightArguments& a);
 void activate(float* values, std::ptrdiff_t count, Activation activation, float slope);
 void roi_align(const RoiAlignArguments& a);
+int find_overlap(const FindOverlapArguments& a);
 void mix_row(const MixRowArguments& a);
 void attend(const AttendArguments& a);
 double peak_loop(long iterations);

@@ -10,6 +10,7 @@ const KernelTable kKernels = {
     winograd_weights,
     activate,
     roi_align,
+    find_overlap,
     mix_row,
     attend,
     peak_loop,

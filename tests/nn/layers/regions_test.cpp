@@ -10,6 +10,7 @@
 #include "nn/layers/nms.h"
 #include "nn/layers/reference/reference.h"
 #include "nn/layers/roi_align.h"
+#include "tests/support/image_cases.h"
 #include "tests/support/tensors.h"
 
 namespace penumbra::nn {
@@ -27,6 +28,8 @@ std::vector<Box> random_boxes(std::mt19937& random, int count, float extent) {
   }
   return boxes;
 }
+
+class NmsByKernels : public test::EveryIsa {};
 
 TEST(RoiAlign, AgreesWithTheReferenceOnRandomShapes) {
   std::mt19937 random(1);
@@ -89,6 +92,29 @@ TEST(Nms, AgreesWithTheReferenceOnRandomBoxes) {
               reference::batched_nms(boxes, scores, groups, threshold, most));
   }
 }
+
+// Corners on a grid, so that many overlaps are the threshold to the last bit, and boxes without an area.
+TEST_P(NmsByKernels, DecidesExactlyAtTheThreshold) {
+  std::mt19937 random(3);
+  for (const float threshold : {0.0F, 0.25F, 0.5F, 0.7F, 1.0F}) {
+    std::vector<Box> boxes;
+    std::vector<float> scores;
+    std::vector<int> groups;
+    for (int i = 0; i < 1500; ++i) {
+      const auto corner = [&] { return 2.0F * static_cast<float>(pick(random, 0, 20)); };
+      const auto side = [&] { return static_cast<float>(pick(random, 0, 10)); };
+      const float x = corner(), y = corner();
+      boxes.push_back({x, y, x + side(), y + side()});
+      scores.push_back(std::uniform_real_distribution<float>()(random));
+      groups.push_back(pick(random, 0, 1));
+    }
+    const std::vector<int> kept = batched_nms(boxes, scores, groups, threshold, 1500);
+    EXPECT_GT(kept.size(), 40U);  // more than a register of them
+    EXPECT_EQ(kept, reference::batched_nms(boxes, scores, groups, threshold, 1500));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Isa, NmsByKernels, test::every_isa(), test::isa_name);
 
 TEST(Nms, EmptyBoxesSuppressNothing) {
   const std::vector<Box> boxes{{1, 1, 1, 1}, {1, 1, 1, 1}};

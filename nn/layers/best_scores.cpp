@@ -1,0 +1,31 @@
+#include "nn/layers/best_scores.h"
+
+#include <algorithm>
+
+namespace penumbra::nn {
+
+namespace {
+
+float score_of(RankKey key) {
+  constexpr std::uint32_t kSign = 0x80000000U;
+  const auto falling = static_cast<std::uint32_t>(key >> 32);
+  return std::bit_cast<float>((falling & kSign) != 0 ? falling : ~falling & ~kSign);
+}
+
+}  // namespace
+
+void BestScores::leave_best() {
+  RankKey* const end = keys_.begin() + count_;
+  std::nth_element(keys_.begin(), end, keys_.end());
+  keys_.resize(count_);
+  least_ = count_ == 0 ? std::numeric_limits<float>::infinity()
+                       : score_of(*std::max_element(keys_.begin(), keys_.end()));
+}
+
+std::span<const RankKey> BestScores::sorted() {
+  if (keys_.size() > count_) leave_best();
+  std::sort(keys_.begin(), keys_.end());
+  return keys_.span();
+}
+
+}  // namespace penumbra::nn
