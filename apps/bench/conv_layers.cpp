@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "nn/base/counter_random.h"
 #include "nn/layers/narrow_maps.h"
 
@@ -109,7 +111,12 @@ ConvLayer::ConvLayer(const ConvShape& shape, nn::Precision precision)
 
 void ConvLayer::run() {
   const nn::Arena::Pass pass(arena_, this, shape_.height, shape_.width);
-  conv_(input_, arena_, 0, shape_.residual ? &residual_ : nullptr, conv_.input_numbers());
+  // As in the network: the sum takes the residual's place.
+  if (shape_.residual) {
+    residual_ = conv_.onto(std::move(residual_), input_, arena_, 0, conv_.input_numbers());
+  } else {
+    conv_(input_, arena_, 0, nullptr, conv_.input_numbers());
+  }
 }
 
 double ConvLayer::gflop() const {

@@ -2,144 +2,14 @@
 
 #include <algorithm>
 
-#include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
-#include "nn/base/half.h"
 #include "nn/base/parallel.h"
 #include "nn/layers/direct_convolution.h"
 #include "nn/layers/narrow_maps.h"
 #include "nn/layers/tile_convolution.h"
-#include "nn/simd/tile_unit.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
-
-Conv2d::Conv2d(const Tensor& weight, const std::vector<float>& bias, Conv2dOptions options, int input_block)
-    : options_(options), input_block_(input_block) {
-  if (weight.shape.size() != 4) throw InputError("conv2d", "a weight [O, C, K, K]", to_string(weight.shape));
-  outputs_ = static_cast<int>(weight.extent(0));
-  kernel_height_ = static_cast<int>(weight.extent(2));
-  kernel_width_ = static_cast<int>(weight.extent(3));
-  if (!bias.empty() && static_cast<int>(bias.size()) != outputs_) {
-    throw InputError("conv2d", fmt::format("{} biases", outputs_), fmt::format("{}", bias.size()));
-  }
-  const int groups = options.groups;
-  if (groups < 1 || outputs_ % groups != 0 || (groups > 1 && input_block != kBlock)) {
-    throw InputError("conv2d", fmt::format("groups that divide {} output channels", outputs_),
-                     fmt::format("{} in blocks of {}", groups, input_block));
-  }
-  const int group_inputs = static_cast<int>(weight.extent(1)), group_outputs = outputs_ / groups;
-  input_channels_ = group_inputs * groups;
-  if (tile_unit() != nullptr && groups > 1) options_.format.precision = Precision::f32;
-  // 8 bits would be too few for an image.
-  const bool image = input_block == kImageBlock;
-  if (image && options_.format.precision == Precision::int8) options_.format.precision = Precision::bf16;
-  if (image && input_channels_ > kImageBlock) options_.format.precision = Precision::f32;
-  on_tiles_ = tile_unit() != nullptr && options_.format.precision != Precision::f32;
-  if (image && !on_tiles_) options_.format.precision = Precision::f32;
-  if (groups > 1 && (group_inputs % kBlock != 0 || group_outputs % kBlock != 0)) {
-    narrow_ = NarrowGroups(weight, bias, groups);
-    return;
-  }
-  if (image) {
-    pack_image_weights(weight, bias);
-    return;
-  }
-  const bool three_by_three =
-      kernel_height_ == 3 && kernel_width_ == 3 && options.stride == 1 && options.dilation == 1;
-  if (options.winograd && !on_tiles_ && three_by_three && groups == 1 &&
-      winograd_pays(input_channels_, outputs_)) {
-    // 8 bits would be too few for the sums that Winograd multiplies.
-    const bool rough = options.format.precision != Precision::f32 && is_supported(Precision::bf16) &&
-                       bf16_arithmetic() != Bf16Arithmetic::f32;
-    winograd_ = Winograd(weight, bias, rough ? Precision::bf16 : Precision::f32);
-    return;
-  }
-  pack_weights(weight, bias);
-}
-
-int Conv2d::tap_depth() const {
-  if (on_tiles_) return line_channels(options_.format.precision);
-  return input_block_ == kImageBlock ? kernel_width_ * kImageBlock : kBlock;
-}
-
-// The pixels of a kernel row lie side by side: one tap a row, of K_w * 4 channels.
-void Conv2d::pack_image_weights(const Tensor& weight, const std::vector<float>& bias) {
-  if (options_.dilation != 1) {
-    throw InputError("conv2d over images", "dilation 1", fmt::format("{}", options_.dilation));
-  }
-  if (on_tiles_) {
-    pack_split_weights(weight, bias);
-    return;
-  }
-  const int taps = ceil_div(input_channels_, kImageBlock) * kernel_height_,
-            depth = kernel_width_ * kImageBlock;
-  const std::ptrdiff_t positions = std::ptrdiff_t{kernel_height_} * kernel_width_;
-  WeightSource source{weight.values.data(), input_channels_ * positions, {}};
-  for (int tap = 0; tap < taps; ++tap) {
-    for (int c = 0; c < depth; ++c) {
-      const int channel = tap / kernel_height_ * kImageBlock + c % kImageBlock;
-      const int position = tap % kernel_height_ * kernel_width_ + c / kImageBlock;
-      source.offsets.push_back(channel < input_channels_ ? channel * positions + position
-                                                         : WeightSource::kNone);
-    }
-  }
-  groups_.emplace_back(outputs_, taps, depth, source, bias);
-}
-
-// Image and weights are sums of two bf16: x w = x_h w_h + x_r w_h + x_h w_r, and what is left out is below
-// the 16th bit. A kernel row fills some lines, whose last weights are 0; each line is read twice, for both
-// parts of the weights.
-void Conv2d::pack_split_weights(const Tensor& weight, const std::vector<float>& bias) {
-  const int depth = tap_depth(), lines = split_row_lines(), taps = kernel_height_ * lines * 2;
-  const std::ptrdiff_t positions = std::ptrdiff_t{kernel_height_} * kernel_width_;
-  const std::ptrdiff_t count = input_channels_ * positions;  // of an output channel
-  // Each output channel's weights, and behind them what bf16 leaves of them.
-  std::vector<float> parts(2 * weight.values.size());
-  for (std::size_t i = 0; i < weight.values.size(); ++i) {
-    const std::ptrdiff_t output = static_cast<std::ptrdiff_t>(i) / count;
-    float* const part = parts.data() + static_cast<std::ptrdiff_t>(i) + output * count;
-    part[0] = weight.values[i];
-    part[count] = weight.values[i] - bf16_to_f32(f32_to_bf16(weight.values[i]));
-  }
-  WeightSource source{parts.data(), 2 * count, {}};
-  for (int tap = 0; tap < taps; ++tap) {
-    for (int c = 0; c < depth; ++c) {
-      const int row = tap / (2 * lines), part = tap % 2, lane = tap / 2 % lines * depth + c;
-      const int v = lane / kSplitImageBlock, channel = lane % kImageBlock;
-      const bool remainder = lane % kSplitImageBlock >= kImageBlock;
-      const bool none = channel >= input_channels_ || v >= kernel_width_ || (part == 1 && remainder);
-      source.offsets.push_back(none ? WeightSource::kNone
-                                    : part * count + channel * positions + row * kernel_width_ + v);
-    }
-  }
-  groups_.emplace_back(outputs_, taps, depth, source, bias, options_.format);
-}
-
-int Conv2d::split_row_lines() const { return ceil_div(kernel_width_ * kSplitImageBlock, tap_depth()); }
-
-void Conv2d::pack_weights(const Tensor& weight, const std::vector<float>& bias) {
-  const int group_outputs = outputs_ / options_.groups, group_inputs = input_channels_ / options_.groups;
-  const int positions = kernel_height_ * kernel_width_, depth = tap_depth();
-  const int taps = ceil_div(group_inputs, depth) * positions;
-  WeightSource source{nullptr, std::ptrdiff_t{group_inputs} * positions, {}};
-  source.offsets.reserve(static_cast<std::size_t>(taps) * static_cast<std::size_t>(depth));
-  for (int tap = 0; tap < taps; ++tap) {
-    for (int c = 0; c < depth; ++c) {
-      const int channel = tap / positions * depth + c;
-      source.offsets.push_back(channel < group_inputs ? std::ptrdiff_t{channel} * positions + tap % positions
-                                                      : WeightSource::kNone);
-    }
-  }
-  for (int g = 0; g < options_.groups; ++g) {
-    const int first = g * group_outputs;
-    source.values = weight.values.data() + first * source.output_stride;
-    groups_.emplace_back(
-        group_outputs, taps, depth, source,
-        bias.empty() ? bias : std::vector<float>(bias.begin() + first, bias.begin() + first + group_outputs),
-        options_.format);
-  }
-}
 
 Conv2d::Geometry Conv2d::output_size(int height, int width) const {
   const auto extent = [&](int in, int kernel) {
@@ -160,55 +30,103 @@ ArenaBuffer Conv2d::prepare(Arena& arena) const {
 
 FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, int output_border,
                               const FeatureMap* residual, const Numbers& output_numbers) const {
-  return (*this)(input, arena, prepare(arena), output_border, residual, output_numbers);
+  return run(input, residual, {arena, prepare(arena), output_border, output_numbers});
+}
+
+FeatureMap Conv2d::operator()(FeatureMap&& input, Arena& arena, int output_border, const FeatureMap* residual,
+                              const Numbers& output_numbers) const {
+  return run(input, residual, {arena, prepare(arena), output_border, output_numbers, &input});
+}
+
+FeatureMap Conv2d::onto(FeatureMap residual, const FeatureMap& input, Arena& arena, int output_border,
+                        const Numbers& output_numbers) const {
+  return run(input, &residual, {arena, prepare(arena), output_border, output_numbers, nullptr, &residual});
+}
+
+FeatureMap Conv2d::onto(FeatureMap residual, FeatureMap&& input, Arena& arena, int output_border,
+                        const Numbers& output_numbers) const {
+  return run(input, &residual, {arena, prepare(arena), output_border, output_numbers, &input, &residual});
 }
 
 FeatureMap Conv2d::operator()(const FeatureMap& input, Arena& arena, const ArenaBuffer& prepared,
                               int output_border, const FeatureMap* residual,
                               const Numbers& output_numbers) const {
+  return run(input, residual, {arena, prepared, output_border, output_numbers});
+}
+
+bool Conv2d::reads(const Numbers& numbers) const {
+  return numbers == input_numbers() || (!winograd_.empty() && numbers.precision == Precision::f32);
+}
+
+Numbers Conv2d::stores(const Numbers& wanted) const {
+  const bool in_one_pass = options_.activation == Activation::none || options_.activation == Activation::relu;
+  const bool any = on_tiles_ || (in_one_pass && !winograd_.empty() && winograd_.stores(wanted));
+  return any ? wanted : Numbers{};
+}
+
+FeatureMap Conv2d::run(const FeatureMap& input, const FeatureMap* residual, const Call& call) const {
+  Arena& arena = call.arena;
   const bool image = input_block_ == kImageBlock;
   const bool split = on_tiles_ && image && input.block() == kSplitImageBlock;
-  const bool blocks_fit =
-      split || (on_tiles_ && !image ? input.block() != kImageBlock : input.block() == input_block_);
+  const bool blocks_fit = split || (image ? input.block() == kImageBlock : input.block() >= kBlock);
   if (input.channels() != input_channels_ || !blocks_fit) {
     throw InputError("conv2d",
                      fmt::format("{} input channels in blocks of {}", input_channels_, input_block_),
                      fmt::format("{} in blocks of {}", input.channels(), input.block()));
   }
-  if (input.border() < options_.padding) {
-    return (*this)(with_border(input, arena, options_.padding), arena, prepared, output_border, residual,
-                   output_numbers);
-  }
-  if (on_tiles_ && image && !split) {
-    return (*this)(split_image(input, arena), arena, prepared, output_border, residual, output_numbers);
-  }
-  if (on_tiles_ && !image && input.numbers() != input_numbers()) {
-    return (*this)(in_numbers(input, input_numbers(), arena), arena, prepared, output_border, residual,
-                   output_numbers);
-  }
+  // Of a copy, which is the new input, this is the last reader.
+  const auto run_on = [&](FeatureMap copy) {
+    Call on_copy = call;
+    on_copy.last = &copy;
+    if (call.last != nullptr) call.last->give_back();
+    return run(copy, residual, on_copy);
+  };
+  if (input.border() < options_.padding) return run_on(with_border(input, arena, options_.padding));
+  if (on_tiles_ && image && !split) return run_on(split_image(input, arena));
+  if (!image && !reads(input.numbers())) return run_on(in_numbers(input, input_numbers(), arena));
   const Geometry out = output_size(input.height(), input.width());
   if (out.height < 1 || out.width < 1) {
     throw InputError("conv2d",
                      fmt::format("an input that covers the {} x {} kernel", kernel_height_, kernel_width_),
                      fmt::format("{} x {} with padding {}", input.height(), input.width(), options_.padding));
   }
+  if (residual != nullptr && !on_tiles_ && winograd_.empty() && residual->numbers() != Numbers{}) {
+    const FeatureMap wide = in_numbers(*residual, {}, arena);
+    return run(input, &wide, {arena, call.prepared, call.output_border, call.output_numbers, call.last});
+  }
 
   observe(input, options_.format);
-  FeatureMap output(arena, input.batch(), outputs_, out.height, out.width, output_border,
-                    on_tiles_ ? output_numbers : Numbers{});
+  ArenaBuffer converted;
+  if (!on_tiles_ && !groups_.empty() && groups_.front().format().precision != Precision::f32) {
+    converted = convert(input, groups_.front().format(), arena);
+    if (call.last != nullptr) call.last->give_back();
+  }
+  const Numbers numbers = stores(call.output_numbers);
+  FeatureMap output;
+  // Layers that keep a part of their sums there (convolve_images, narrow groups) need an output of their own.
+  const bool sums_in_output = (winograd_.empty() && groups_.empty()) || (out.height == 1 && out.width == 1);
+  if (call.under != nullptr && !on_tiles_ && !sums_in_output && residual->numbers() == numbers &&
+      residual->border() == call.output_border && residual->height() == out.height &&
+      residual->width() == out.width && residual->channels() == outputs_) {
+    output = std::move(*call.under);
+    residual = &output;
+  } else {
+    output = FeatureMap(arena, input.batch(), outputs_, out.height, out.width, call.output_border, numbers);
+  }
   if (!winograd_.empty()) {
-    winograd_(input, options_.padding, options_.activation, residual, output, arena, prepared);
-    if (options_.activation != Activation::relu) activate(output, options_.activation, options_.slope);
+    winograd_(input, options_.padding, options_.activation, residual, output, arena, call.prepared);
+    const bool more = options_.activation != Activation::none && options_.activation != Activation::relu;
+    if (more) activate(output, options_.activation, options_.slope);
   } else if (!groups_.empty()) {
-    direct(input, residual, output, arena);
+    direct(input, converted, residual, output, arena);
   } else {
     over_rows(input, residual, output);
   }
   return output;
 }
 
-void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output,
-                    Arena& arena) const {
+void Conv2d::direct(const FeatureMap& input, const ArenaBuffer& converted, const FeatureMap* residual,
+                    FeatureMap& output, Arena& arena) const {
   const bool image = input_block_ == kImageBlock;  // a tap holds a whole kernel row, or a line of it, twice
   const int columns = !image ? kernel_width_ : on_tiles_ ? 2 * split_row_lines() : 1;
   const auto column_offset = [&](int v) -> std::ptrdiff_t {
@@ -241,7 +159,6 @@ void Conv2d::direct(const FeatureMap& input, const FeatureMap* residual, Feature
     return;
   }
   const bool as_it_is = groups_.front().format().precision == Precision::f32;
-  const ArenaBuffer converted = as_it_is ? ArenaBuffer() : convert(input, groups_.front().format(), arena);
   DirectConvolution convolution{call};
   convolution.groups = groups_;
   convolution.values = reinterpret_cast<const std::byte*>(as_it_is ? input.values() : converted.data());
@@ -264,19 +181,6 @@ void Conv2d::over_rows(const FeatureMap& input, const FeatureMap* residual, Feat
     }
     activate(out, count, options_.activation, options_.slope);
   });
-}
-
-Conv2d linear(Tensor weight, const std::vector<float>& bias, int channels, int height, int width,
-              Activation activation, const NumberFormat& format) {
-  const std::int64_t inputs = static_cast<std::int64_t>(channels) * height * width;
-  if (weight.shape.size() != 2 || weight.extent(1) != inputs) {
-    throw InputError("linear", fmt::format("a weight [O, {}]", inputs), to_string(weight.shape));
-  }
-  Conv2dOptions options;
-  options.activation = activation;
-  options.format = format;
-  weight.shape = {weight.extent(0), channels, height, width};
-  return {weight, bias, options};
 }
 
 }  // namespace penumbra::nn

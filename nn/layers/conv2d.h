@@ -53,17 +53,29 @@ class Conv2d {
          int input_block = kBlock);
 
   // `residual` (null for none) has the output's shape. The output gets a zero border of `output_border`
-  // pixels, and is stored in `output_numbers`: on a tile unit any, else f32.
+  // pixels, and is stored in `output_numbers` where the layer can: on a tile unit any, Winograd's on AVX-512
+  // bf16; else in f32. Maps are read in any numbers.
   FeatureMap operator()(const FeatureMap& input, Arena& arena, int output_border = 0,
                         const FeatureMap* residual = nullptr, const Numbers& output_numbers = {}) const;
+  // The last reader of `input`: where its values are converted first, the map gives its memory back.
+  FeatureMap operator()(FeatureMap&& input, Arena& arena, int output_border = 0,
+                        const FeatureMap* residual = nullptr, const Numbers& output_numbers = {}) const;
+  // The last reader of the residual, whose memory the output takes where it is laid out alike.
+  FeatureMap onto(FeatureMap residual, const FeatureMap& input, Arena& arena, int output_border = 0,
+                  const Numbers& output_numbers = {}) const;
+  // And of the input.
+  FeatureMap onto(FeatureMap residual, FeatureMap&& input, Arena& arena, int output_border = 0,
+                  const Numbers& output_numbers = {}) const;
   // What a call computes of the weights alone (winograd.h), for several calls: `prepared` of the call below.
   ArenaBuffer prepare(Arena& arena) const;
   FeatureMap operator()(const FeatureMap& input, Arena& arena, const ArenaBuffer& prepared,
                         int output_border = 0, const FeatureMap* residual = nullptr,
                         const Numbers& output_numbers = {}) const;
 
-  // In what the map that it reads is best stored: f32 but on a tile unit, and of images there, too.
+  // In what the map that it reads is best stored: f32 but on a tile unit, though there of images, too, and
+  // where Winograd's products are bf16.
   Numbers input_numbers() const {
+    if (!winograd_.empty()) return winograd_.input_numbers();
     return on_tiles_ && input_block_ == kBlock ? numbers_of(options_.format) : Numbers{};
   }
 
@@ -81,13 +93,27 @@ class Conv2d {
   struct Geometry {
     int height, width;  // of the output
   };
+  // What a call is given. `last` is the input where nobody reads it afterwards, `under` the residual
+  // likewise.
+  struct Call {
+    Arena& arena;
+    const ArenaBuffer& prepared;
+    int output_border = 0;
+    Numbers output_numbers;
+    FeatureMap* last = nullptr;
+    FeatureMap* under = nullptr;
+  };
+  FeatureMap run(const FeatureMap& input, const FeatureMap* residual, const Call& call) const;
+  bool reads(const Numbers& numbers) const;
+  Numbers stores(const Numbers& wanted) const;
   Geometry output_size(int height, int width) const;
   int tap_depth() const;        // channels of the input that a tap has
   int split_row_lines() const;  // that a kernel row of a split image fills
   void pack_image_weights(const Tensor& weight, const std::vector<float>& bias);
   void pack_split_weights(const Tensor& weight, const std::vector<float>& bias);
   void pack_weights(const Tensor& weight, const std::vector<float>& bias);
-  void direct(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output, Arena& arena) const;
+  void direct(const FeatureMap& input, const ArenaBuffer& converted, const FeatureMap* residual,
+              FeatureMap& output, Arena& arena) const;
   void over_rows(const FeatureMap& input, const FeatureMap* residual, FeatureMap& output) const;
 
   Conv2dOptions options_;

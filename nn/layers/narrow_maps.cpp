@@ -11,10 +11,11 @@ namespace penumbra::nn {
 
 namespace {
 
-const TileUnit& unit_for_narrow_maps() {
-  const TileUnit* unit = tile_unit();
-  if (unit == nullptr) throw Error("maps of narrow numbers need a tile unit");
-  return *unit;
+const LineKernels& kernels_of_lines() {
+  const LineKernels* kernels = line_kernels();
+  if (kernels == nullptr)
+    throw Error("maps of narrow numbers need kernels that this processor does not have");
+  return *kernels;
 }
 
 LineLayout layout_of(const FeatureMap& map) {
@@ -25,7 +26,7 @@ LineLayout layout_of(const FeatureMap& map) {
 }  // namespace
 
 FeatureMap in_numbers(const FeatureMap& map, const Numbers& numbers, Arena& arena) {
-  const TileUnit& unit = unit_for_narrow_maps();
+  const LineKernels& lines = kernels_of_lines();
   FeatureMap result(arena, map.batch(), map.channels(), map.height(), map.width(), map.border(), numbers);
   parallel_for({map.images(), map.height()}, 1, [&](int n, int y) {
     ConvertLinesArguments a;
@@ -36,7 +37,7 @@ FeatureMap in_numbers(const FeatureMap& map, const Numbers& numbers, Arena& aren
     a.to_layout = layout_of(result);
     a.to_channels = result.blocks() * result.block();
     a.pixels = map.width();
-    unit.convert_lines(a);
+    lines.convert_lines(a);
   });
   return result;
 }
@@ -46,7 +47,7 @@ FeatureMap split_image(const FeatureMap& image, Arena& arena) {
     throw InputError("split_image", fmt::format("an image of at most {} channels", kImageBlock),
                      fmt::format("{} channels in blocks of {}", image.channels(), image.block()));
   }
-  const TileUnit& unit = unit_for_narrow_maps();
+  const LineKernels& lines = kernels_of_lines();
   const int border = image.border(), rows = image.height() + 2 * border;
   FeatureMap result(arena, image.batch(), image.channels(), image.height(), image.width(), border,
                     kSplitImageBlock, {Precision::bf16, {}});
@@ -55,13 +56,13 @@ FeatureMap split_image(const FeatureMap& image, Arena& arena) {
     a.from = image.pixel(n, 0, row - border, -border);
     a.to = reinterpret_cast<std::uint16_t*>(result.line(n, 0, row - border, -border));
     a.pixels = image.width() + 2 * border;
-    unit.split_pixels(a);
+    lines.split_pixels(a);
   });
   return result;
 }
 
 void dot_row(const FeatureMap& map, int n, int row, const float* weights, float* dots) {
-  unit_for_narrow_maps().dot_lines(
+  kernels_of_lines().dot_lines(
       {map.line(n, 0, row, 0), layout_of(map), weights, map.width(), map.channels(), dots});
 }
 
@@ -72,7 +73,7 @@ FeatureMap sum_with_upsampled(const FeatureMap& fine, const FeatureMap& coarse, 
                      fmt::format("{} images of {} channels", fine.images(), fine.channels()),
                      fmt::format("{} of {}", coarse.images(), coarse.channels()));
   }
-  const TileUnit& unit = unit_for_narrow_maps();
+  const LineKernels& lines = kernels_of_lines();
   FeatureMap sum(arena, fine.batch(), fine.channels(), fine.height(), fine.width(), output_border, numbers);
   const float row_scale = static_cast<float>(coarse.height()) / static_cast<float>(fine.height());
   parallel_for({fine.images(), fine.height()}, 1, [&](int n, int y) {
@@ -88,7 +89,7 @@ FeatureMap sum_with_upsampled(const FeatureMap& fine, const FeatureMap& coarse, 
     a.sum_layout = layout_of(sum);
     a.pixels = fine.width();
     a.channels = ceil_div(fine.channels(), kBlock) * kBlock;
-    unit.add_lines(a);
+    lines.add_lines(a);
   });
   return sum;
 }

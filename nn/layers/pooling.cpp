@@ -34,9 +34,9 @@ struct Maximum {
   static void reduce_narrow(const FeatureMap& input, int n, int b, const Window& rows, const Window& columns,
                             std::byte* out) {
     const Precision precision = input.numbers().precision;
-    tile_unit()->max_line({input.line(n, b, rows.first, columns.first),
-                           input.row_stride() * element_size(precision), rows.end - rows.first,
-                           columns.end - columns.first, precision, out});
+    line_kernels()->max_line({input.line(n, b, rows.first, columns.first),
+                              input.row_stride() * element_size(precision), rows.end - rows.first,
+                              columns.end - columns.first, precision, out});
   }
 };
 

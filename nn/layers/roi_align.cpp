@@ -70,7 +70,7 @@ void align_narrow_region(const FeatureMap& map, const Axis& rows, const Axis& co
   a.output = output.line(region, 0, 0, 0);
   a.output_layout = {kLineBytes, output.block_stride() * output_bytes, output.numbers()};
   a.output_row_stride = output.row_stride() * output_bytes;
-  tile_unit()->roi_align_lines(a);
+  line_kernels()->roi_align_lines(a);
 }
 
 void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, int size, int region,

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 #include "nn/base/ceil_div.h"
-#include "nn/base/half.h"
 #include "nn/base/parallel.h"
+#include "nn/simd/tile_unit.h"
 #include "nn/tensor/arena_vector.h"
 
 namespace penumbra::nn {
@@ -18,17 +19,48 @@ constexpr int kOut = kWinogradOutput, kIn = kWinogradInput;
 // Numbers of a block of tiles that one thread works on alone: they fit into its L2 cache, transformed inputs
 // and products together.
 constexpr std::size_t kOwnBlockFloats = 256 * 1024;
-// And those of a block that all threads share, in the L3 cache.
-constexpr std::size_t kSharedBlockFloats = 3 * 1024 * 1024;
+// And those of a block that all threads share, in the L3 cache, for each byte of a weight: the smaller these
+// are, the fewer tiles pay for reading them.
+constexpr std::size_t kSharedBlockFloats = 2 * 1024 * 1024 / sizeof(float);
 // With more channels than this the weights of all positions pass L2; blocks are shared then, so that each
 // weight serves more tiles.
 constexpr int kMostOwnChannels = 128;
 
-}  // namespace
+// Tiles of a row that are widened or copied at a time: 13 KB.
+constexpr int kCopiedTiles = 8, kCopiedColumns = kCopiedTiles * kOut + kIn - kOut;
 
-bool winograd_pays(int channels, int outputs) {
-  return channels >= 32 && outputs >= 32 && channels <= 384 && outputs <= 384;
+// Where 16 channels of a map's pixels lie: a block of f32, or a half of a line of bf16.
+std::ptrdiff_t half_line(const FeatureMap& map, int channel_block) {
+  return channel_block * kBlock % map.block() * element_size(map.numbers().precision);
 }
+
+LineLayout layout_of_pixels(const Numbers& numbers) { return {kLineBytes, 0, numbers}; }
+
+// `columns` pixels of 16 channels from (y, x) on, as f32 side by side.
+void read_pixels(const FeatureMap& map, int n, int channel_block, int y, int x, int columns, float* to) {
+  const std::byte* from = map.line(n, channel_block * kBlock / map.block(), y, x);
+  if (map.numbers().precision == Precision::f32) {
+    std::memcpy(to, from, static_cast<std::size_t>(columns) * kLineBytes);
+    return;
+  }
+  line_kernels()->convert_lines({from + half_line(map, channel_block), layout_of_pixels(map.numbers()),
+                                 kBlock, reinterpret_cast<std::byte*>(to), layout_of_pixels({}), kBlock,
+                                 columns});
+}
+
+// And back.
+void write_pixels(const float* from, FeatureMap& map, int n, int channel_block, int y, int x, int columns) {
+  std::byte* const to = map.line(n, channel_block * kBlock / map.block(), y, x);
+  if (map.numbers().precision == Precision::f32) {
+    std::memcpy(to, from, static_cast<std::size_t>(columns) * kLineBytes);
+    return;
+  }
+  line_kernels()->convert_lines({reinterpret_cast<const std::byte*>(from), layout_of_pixels({}), kBlock,
+                                 to + half_line(map, channel_block), layout_of_pixels(map.numbers()), kBlock,
+                                 columns});
+}
+
+}  // namespace
 
 // What one call works on.
 struct Winograd::Work {
@@ -61,75 +93,6 @@ struct Winograd::Work {
   }
 };
 
-Winograd::Winograd(const Tensor& weight, const std::vector<float>& bias, Precision precision) {
-  const int outputs = static_cast<int>(weight.extent(0)), channels = static_cast<int>(weight.extent(1));
-  input_blocks_ = ceil_div(channels, kBlock);
-  output_blocks_ = ceil_div(outputs, kBlock);
-  bias_.assign(static_cast<std::size_t>(output_blocks_) * kBlock, 0.0F);
-  std::copy(bias.begin(), bias.end(), bias_.begin());
-  layout_ = PackedWeights(outputs, input_blocks_, kBlock, NumberFormat{precision, {}, nullptr});
-  const std::size_t row = static_cast<std::size_t>(input_blocks_) * kBlock * kWinogradKernel;  // of an output
-  kernels_ = WeightMemory(bias_.size() * row * sizeof(float));
-  parallel_for(layout_.tiles(), 1, [&](int t) {
-    const int first = t * layout_.tile_channels();
-    const int width = std::min(layout_.tile_channels(), static_cast<int>(bias_.size()) - first);
-    float* out = reinterpret_cast<float*>(kernels_.data()) + static_cast<std::size_t>(first) * row;
-    std::fill_n(out, row * static_cast<std::size_t>(width), 0.0F);
-    const std::ptrdiff_t numbers = std::ptrdiff_t{channels} * kWinogradKernel;
-    for (std::ptrdiff_t i = 0; i < numbers; ++i, out += width) {
-      const float* in = weight.values.data() + first * numbers + i;
-      for (int o = 0; o < std::min(width, outputs - first); ++o) out[o] = in[o * numbers];
-    }
-  });
-}
-
-std::size_t Winograd::position_bytes() const {
-  return layout_.bytes() + 64;  // so that positions do not share one set of the cache
-}
-
-ArenaBuffer Winograd::prepare(Arena& arena) const {
-  const std::size_t stride = position_bytes();
-  ArenaBuffer prepared = arena.allocate(stride / sizeof(float) * kWinogradPositions);
-  auto* const start = reinterpret_cast<std::byte*>(prepared.data());
-  const bool rounded = layout_.format().precision != Precision::f32;
-  parallel_for({layout_.tiles(), input_blocks_}, 1, [&](int t, int tap) {
-    const WeightTile tile = layout_.tile(t, start);
-    // The tile's part of a position, in numbers from its start; of the kernels nine times as far.
-    const std::ptrdiff_t place = (static_cast<std::ptrdiff_t>(t) * layout_.tile_channels() * input_blocks_ +
-                                  static_cast<std::ptrdiff_t>(tap) * tile.channels) *
-                                 kBlock;
-    WinogradWeightArguments a;
-    a.channels = tile.channels;
-    a.input = reinterpret_cast<const float*>(kernels_.data()) + place * kWinogradKernel;
-    if (!rounded) {
-      a.output = prepared.data() + place;
-      a.position_stride = static_cast<std::ptrdiff_t>(stride / sizeof(float));
-      a.count = kBlock;
-      return kernels().winograd_weights(a);
-    }
-    // Groups of channels side by side, as layout_ has them in bf16.
-    constexpr int kMostGroup = 4;
-    const int group = layout_.group();
-    float channels[kWinogradPositions][kMostGroup][kMostTileChannels];
-    a.position_stride = kMostGroup * kMostTileChannels;
-    a.count = 1;
-    for (int c = 0; c < kBlock; c += group) {
-      for (int i = 0; i < group; ++i, a.input += kWinogradKernel * tile.channels) {
-        a.output = &channels[0][i][0];
-        kernels().winograd_weights(a);
-      }
-      for (int k = 0; k < kWinogradPositions; ++k) {
-        auto* out = reinterpret_cast<std::uint16_t*>(start + static_cast<std::size_t>(k) * stride) + place +
-                    c * tile.channels;
-        for (int o = 0; o < tile.channels; ++o) {
-          for (int i = 0; i < group; ++i) *out++ = f32_to_bf16(channels[k][i][o]);
-        }
-      }
-    }
-  });
-  return prepared;
-}
-
 void Winograd::operator()(const FeatureMap& input, int padding, Activation activation,
                           const FeatureMap* residual, FeatureMap& output, Arena& arena,
                           const ArenaBuffer& prepared) const {
@@ -153,11 +116,12 @@ void Winograd::operator()(const FeatureMap& input, int padding, Activation activ
   const auto tiles_in = [&](std::size_t floats) {
     return std::max(static_cast<int>(floats / tile_floats) / step, 1) * step;
   };
+  const auto weight_bytes = static_cast<std::size_t>(element_size(layout_.format().precision));
   const int own = tiles_in(kOwnBlockFloats);
   const bool alone =
       std::max(input_blocks_, output_blocks_) * kBlock <= kMostOwnChannels && most_tiles >= 2 * threads * own;
-  work.block_tiles =
-      std::min(alone ? own : tiles_in(kSharedBlockFloats), std::max(ceil_div(most_tiles, step), 1) * step);
+  work.block_tiles = std::min(alone ? own : tiles_in(kSharedBlockFloats * weight_bytes),
+                              std::max(ceil_div(most_tiles, step), 1) * step);
 
   // The 16 floats between positions keep these from sharing one set of the cache.
   work.input_stride = static_cast<std::ptrdiff_t>(input_blocks_) * work.block_tiles * kBlock + kBlock;
@@ -210,7 +174,7 @@ void Winograd::transform_inputs(const Work& work, int first, int count, int chan
     a.output = work.inputs + (static_cast<std::ptrdiff_t>(channel_block) * work.block_tiles + t) * kBlock;
     a.position_stride = work.input_stride;
     // Tiles that lie on the map and its border altogether.
-    const bool fits = y + kIn <= bottom && x + kIn <= right;
+    const bool fits = input.numbers().precision == Precision::f32 && y + kIn <= bottom && x + kIn <= right;
     const int whole = fits ? std::min((right - x - kIn) / kOut + 1, tiles) : 0;
     if (whole > 0) {
       a.input = input.pixel(n, channel_block, y, x);
@@ -219,18 +183,20 @@ void Winograd::transform_inputs(const Work& work, int first, int count, int chan
       kernels().winograd_input(a);
       a.output += static_cast<std::ptrdiff_t>(whole) * kBlock;
     }
-    // The others are copied, with zeros where they reach beyond.
-    for (int i = whole; i < tiles; ++i, a.output += kBlock) {
-      alignas(64) float patch[kIn * kIn * kBlock] = {};
-      const int left = x + i * kOut, columns = std::clamp(right - left, 0, kIn);
+    // The others are copied as f32, with zeros where they reach beyond.
+    for (int i = whole; i < tiles; i += kCopiedTiles) {
+      alignas(64) float patch[kIn * kCopiedColumns * kBlock];
+      a.tiles = std::min(tiles - i, kCopiedTiles);
+      const int left = x + i * kOut, wanted = a.tiles * kOut + kIn - kOut;
+      const int columns = std::clamp(right - left, 0, wanted);
+      if (columns < wanted || y + kIn > bottom) std::fill(std::begin(patch), std::end(patch), 0.0F);
       for (int u = 0; u < kIn && y + u < bottom; ++u) {
-        std::memcpy(patch + u * kIn * kBlock, input.pixel(n, channel_block, y + u, left),
-                    static_cast<std::size_t>(columns) * kBlock * sizeof(float));
+        read_pixels(input, n, channel_block, y + u, left, columns, patch + u * kCopiedColumns * kBlock);
       }
       a.input = patch;
-      a.row_stride = kIn * kBlock;
-      a.tiles = 1;
+      a.row_stride = kCopiedColumns * kBlock;
       kernels().winograd_input(a);
+      a.output += static_cast<std::ptrdiff_t>(a.tiles) * kBlock;
     }
   });
 }
@@ -267,23 +233,45 @@ void Winograd::multiply(const Work& work, int count, int position, int slot) con
 
 void Winograd::transform_outputs(const Work& work, int first, int count, int channel_block) const {
   FeatureMap& output = *work.output;
+  const FeatureMap* residual = work.residual;
+  const auto is_f32 = [](const FeatureMap& map) { return map.numbers().precision == Precision::f32; };
+  const bool as_it_is = is_f32(output) && (residual == nullptr || is_f32(*residual));
   work.for_each_run(first, count, [&](int t, int n, int row, int column, int tiles) {
-    const int y = row * kOut, x = column * kOut;
+    const int y = row * kOut;
     WinogradOutputArguments a;
     a.input = work.products + (static_cast<std::ptrdiff_t>(channel_block) * work.block_tiles + t) * kBlock;
     a.position_stride = work.product_stride;
-    a.tiles = tiles;
     a.bias = bias_.data() + static_cast<std::ptrdiff_t>(channel_block) * kBlock;
-    a.output = output.pixel(n, channel_block, y, x);
-    a.output_row_stride = output.row_stride();
-    if (work.residual != nullptr) {
-      a.residual = work.residual->pixel(n, channel_block, y, x);
-      a.residual_row_stride = work.residual->row_stride();
-    }
     a.rows = std::min(kOut, output.height() - y);
-    a.columns = std::min(tiles * kOut, output.width() - x);
     a.lower_bound = work.lower_bound;
-    kernels().winograd_output(a);
+    const int step = as_it_is ? tiles : kCopiedTiles;
+    for (int i = 0; i < tiles; i += step, a.input += static_cast<std::ptrdiff_t>(step) * kBlock) {
+      const int x = (column + i) * kOut;
+      a.tiles = std::min(step, tiles - i);
+      a.columns = std::min(a.tiles * kOut, output.width() - x);
+      if (as_it_is) {
+        a.output = output.pixel(n, channel_block, y, x);
+        a.output_row_stride = output.row_stride();
+        if (residual != nullptr) {
+          a.residual = residual->pixel(n, channel_block, y, x);
+          a.residual_row_stride = residual->row_stride();
+        }
+        kernels().winograd_output(a);
+        continue;
+      }
+      constexpr std::ptrdiff_t kRow = std::ptrdiff_t{kCopiedColumns} * kBlock;
+      alignas(64) float under[kOut * kRow], patch[kOut * kRow];
+      if (residual != nullptr) {
+        for (int u = 0; u < a.rows; ++u)
+          read_pixels(*residual, n, channel_block, y + u, x, a.columns, under + u * kRow);
+        a.residual = under;
+      }
+      a.output = patch;
+      a.residual_row_stride = a.output_row_stride = kRow;
+      kernels().winograd_output(a);
+      for (int u = 0; u < a.rows; ++u)
+        write_pixels(patch + u * kRow, output, n, channel_block, y + u, x, a.columns);
+    }
   });
 }
 

@@ -10,6 +10,8 @@
 //
 // Shapes: those of conv2d.h with K = 3, s = 1, d = 1, G = 1. Cost: 36 C O multiply-adds a tile, and about
 // 12 (C + O) additions a pixel for the transforms.
+// Where the products are bf16, so are the weights that are kept, and on AVX-512 the maps may be: they are
+// widened on the way in and rounded on the way out, a few tiles at a time.
 // Error: about 2e-6 of the largest output, 5 times that of the direct sum: intermediate numbers are larger
 // than the result. An infinity or NaN spreads over its tile.
 // Method: blocks of tiles go through three steps (inputs transformed, multiplied, products transformed), so
@@ -37,6 +39,10 @@ class Winograd {
   Winograd(const Tensor& weight, const std::vector<float>& bias, Precision precision = Precision::f32);
 
   bool empty() const { return input_blocks_ == 0; }
+  // In what the map that it reads is best stored; f32 it reads, too.
+  Numbers input_numbers() const;
+  // Whether its output can be stored so; f32 always.
+  bool stores(const Numbers& numbers) const;
 
   // The transformed weights [position][output tile]..., for calls that follow each other.
   ArenaBuffer prepare(Arena& arena) const;
@@ -53,7 +59,7 @@ class Winograd {
   void transform_outputs(const Work& work, int first, int count, int channel_block) const;
 
   int input_blocks_ = 0, output_blocks_ = 0;
-  WeightMemory kernels_;     // f32 [output tile][C, padded][9][V]
+  WeightMemory kernels_;     // [output tile][C, padded][9][V], f32 or bf16 as the products
   PackedWeights layout_;     // of a position's transformed weights
   std::vector<float> bias_;  // padded to whole blocks
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "nn/layers/activations.h"
 #include "nn/layers/box_coder.h"
@@ -76,7 +77,7 @@ void BoxHead::classify(std::span<const PyramidLevel> pyramid, std::span<const Bo
                                               hidden_.front().input_numbers());
   for (std::size_t k = 0; k < hidden_.size(); ++k) {
     const Conv2d& next = k + 1 < hidden_.size() ? hidden_[k + 1] : class_logits_;
-    features = hidden_[k](features, arena, 0, nullptr, next.input_numbers());
+    features = hidden_[k](std::move(features), arena, 0, nullptr, next.input_numbers());
   }
   const FeatureMap logits = class_logits_(features, arena), deltas = box_deltas_(features, arena);
 

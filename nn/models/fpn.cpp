@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "nn/base/error.h"
 #include "nn/layers/narrow_maps.h"
 #include "nn/layers/pooling.h"
@@ -75,16 +77,17 @@ std::array<FeatureMap, kPyramidLevels> FeaturePyramid::operator()(std::array<Fea
     const bool top = k + 1 == levels_.size();
     const Numbers numbers = level.attention ? Numbers{} : level.output.input_numbers();
     if (numbers.precision == Precision::f32) {
-      FeatureMap lateral = level.lateral(stages[k], arena, 1);
+      FeatureMap lateral = level.lateral(std::move(stages[k]), arena, 1);
       stages[k] = FeatureMap();  // gives its memory back
       if (level.attention) level.attention->apply(lateral, arena);
       if (!top) add_upsampled(top_down, lateral);
       top_down = std::move(lateral);
     } else if (top) {
-      top_down = level.lateral(stages[k], arena, 1, nullptr, numbers);
+      top_down = level.lateral(std::move(stages[k]), arena, 1, nullptr, numbers);
       stages[k] = FeatureMap();
     } else {
-      const FeatureMap lateral = level.lateral(stages[k], arena, 0, nullptr, {Precision::bf16, {}});
+      const FeatureMap lateral =
+          level.lateral(std::move(stages[k]), arena, 0, nullptr, {Precision::bf16, {}});
       stages[k] = FeatureMap();
       top_down = sum_with_upsampled(lateral, top_down, numbers, arena, 1);
     }

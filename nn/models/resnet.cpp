@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <span>
+#include <utility>
 
 #include "nn/base/error.h"
 #include "nn/layers/pooling.h"
@@ -141,17 +142,21 @@ double ResNet::multiply_adds(int height, int width) const {
   return sum;
 }
 
-FeatureMap ResNet::apply(const Block& block, const FeatureMap& x, Arena& arena,
+FeatureMap ResNet::apply(const Block& block, const FeatureMap& x, FeatureMap* last, Arena& arena,
                          const Numbers& output_numbers) const {
   // Maps that a 3 x 3 convolution reads get a border of 1.
   FeatureMap inner = block.convolutions[0](x, arena, 1, nullptr, block.convolutions[1].input_numbers());
   if (bottleneck_) {
-    inner = block.convolutions[1](inner, arena, 0, nullptr, block.convolutions[2].input_numbers());
+    inner = block.convolutions[1](std::move(inner), arena, 0, nullptr, block.convolutions[2].input_numbers());
   }
-  FeatureMap shortcut;  // made late, when the block's widest maps are no more
-  if (block.downsample) shortcut = (*block.downsample)(x, arena, 0, nullptr, {Precision::bf16, {}});
-  return block.convolutions.back()(inner, arena, bottleneck_ ? 0 : 1, block.downsample ? &shortcut : &x,
-                                   output_numbers);
+  const Conv2d& convolution = block.convolutions.back();
+  const int border = bottleneck_ ? 0 : 1;
+  if (!block.downsample && last == nullptr)
+    return convolution(std::move(inner), arena, border, &x, output_numbers);
+  // Made late, when the block's widest maps are no more; the sum takes its place.
+  FeatureMap shortcut =
+      block.downsample ? (*block.downsample)(x, arena, 0, nullptr, {Precision::bf16, {}}) : std::move(*last);
+  return convolution.onto(std::move(shortcut), std::move(inner), arena, border, output_numbers);
 }
 
 std::array<FeatureMap, 4> ResNet::operator()(FeatureMap image, Arena& arena, const Numbers& last) const {
@@ -166,7 +171,7 @@ std::array<FeatureMap, 4> ResNet::operator()(FeatureMap image, Arena& arena, con
       const bool end = b + 1 == stages_[stage].size();
       const Numbers next =
           end ? (stage < 3 ? input_numbers(stage + 1, 0) : last) : input_numbers(stage, b + 1);
-      y = apply(stages_[stage][b], *input, arena, next);
+      y = apply(stages_[stage][b], *input, b > 0 ? &y : nullptr, arena, next);
       input = &y;
     }
     outputs[stage] = std::move(y);

@@ -62,7 +62,8 @@ class ResNet {
     std::vector<Conv2d> convolutions;  // 2 of a basic block, 3 of a bottleneck; the last adds x'
     std::optional<Conv2d> downsample;
   };
-  FeatureMap apply(const Block& block, const FeatureMap& x, Arena& arena,
+  // `last` is x where nobody reads it afterwards, else null.
+  FeatureMap apply(const Block& block, const FeatureMap& x, FeatureMap* last, Arena& arena,
                    const Numbers& output_numbers) const;
   Numbers input_numbers(std::size_t stage, std::size_t block) const {
     return stages_[stage][block].convolutions.front().input_numbers();

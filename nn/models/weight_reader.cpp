@@ -1,6 +1,9 @@
 #include "nn/models/weight_reader.h"
 
 #include <fmt/ranges.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -119,7 +122,12 @@ void WeightReader::finish(const std::string& network) const {
       problems.push_back(fmt::format("not part of the network: {} {}", name, to_string(tensor.shape)));
     }
   }
-  if (problems.empty()) return;
+  if (problems.empty()) {
+#if defined(__GLIBC__)
+    malloc_trim(0);  // the tensors that were read have left tens of MB in the heap
+#endif
+    return;
+  }
   constexpr std::size_t kMostListed = 10;
   const std::size_t count = problems.size();
   if (count > kMostListed) {

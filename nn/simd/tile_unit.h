@@ -151,14 +151,19 @@ struct TileProductArguments {
   std::byte* c = nullptr;
 };
 
-struct TileUnit {
-  void (*multiply)(const TileUnitArguments&);
+// What is done to maps of narrow numbers besides multiplying: on vector registers, not on the unit.
+struct LineKernels {
   void (*convert_lines)(const ConvertLinesArguments&);
   void (*split_pixels)(const SplitPixelsArguments&);
   void (*add_lines)(const AddLinesArguments&);
   void (*max_line)(const MaxLineArguments&);
   void (*roi_align_lines)(const RoiAlignLinesArguments&);
   void (*dot_lines)(const DotLinesArguments&);
+};
+
+struct TileUnit {
+  void (*multiply)(const TileUnitArguments&);
+  LineKernels lines;
   void (*tile_product)(const TileProductArguments&);
   // Runs `iterations` of a loop of tile products that load nothing; returns the operations done.
   double (*peak_loop)(Precision precision, long iterations);
@@ -166,6 +171,8 @@ struct TileUnit {
 
 // The unit of the instruction set in use, or null where it has none.
 const TileUnit* tile_unit();
+// Those of narrow maps: of the tile unit, and without one of AVX-512 where it multiplies bf16; else null.
+const LineKernels* line_kernels();
 
 namespace amx {
 extern const TileUnit kTileUnit;

@@ -69,6 +69,8 @@ class FeatureMap {
            static_cast<std::ptrdiff_t>(x + border_) * block_;
   }
   const float* values() const { return data_.data(); }
+  // Gives the memory back, and stays a map without values: for layers that have read them already.
+  void give_back() { data_ = ArenaBuffer(); }
   // pixel() of any numbers.
   std::byte* line(int n, int b, int y, int x) {
     return reinterpret_cast<std::byte*>(data_.data()) + offset(n, b, y, x) * element_size(numbers_.precision);

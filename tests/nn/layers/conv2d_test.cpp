@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "nn/base/error.h"
 #include "nn/layers/reference/reference.h"
 #include "tests/support/tensors.h"
@@ -102,6 +104,38 @@ TEST_P(Conv2dTest, WinogradAgreesWithTheDirectSumInEveryDivisionOfLabour) {
     const Conv2d direct(weight, {}, options);
     ASSERT_STREQ(direct.algorithm(), "direct");
     expect_close(winograd, to_tensor(direct(map, arena)));
+  }
+}
+
+TEST_P(Conv2dTest, ASumOntoTheResidualHasTheSameBitsAndItsMemory) {
+  struct Case {
+    int channels, outputs, kernel, groups, size, border;
+    Activation activation;
+    bool in_place;
+  };
+  const Case cases[] = {{40, 70, 1, 1, 9, 0, Activation::relu, true},
+                        {40, 70, 3, 1, 9, 0, Activation::silu, true},  // Winograd
+                        {40, 70, 5, 1, 9, 0, Activation::silu, true},
+                        {64, 64, 3, 2, 9, 0, Activation::relu, true},    // groups
+                        {40, 70, 1, 1, 9, 1, Activation::relu, false},   // another border
+                        {24, 24, 3, 24, 9, 0, Activation::relu, false},  // a channel at a time
+                        {40, 70, 1, 1, 1, 0, Activation::relu, false}};  // over images
+  for (const Case& c : cases) {
+    Conv2dOptions options;
+    options.padding = c.kernel / 2;
+    options.groups = c.groups;
+    options.activation = c.activation;
+    const Conv2d conv(random_tensor({c.outputs, c.channels / c.groups, c.kernel, c.kernel}, 1),
+                      random_vector(c.outputs, 2), options);
+    Arena arena;
+    const FeatureMap x = to_feature_map(random_tensor({3, c.channels, c.size, c.size}, 3), arena);
+    FeatureMap residual = to_feature_map(random_tensor({3, c.outputs, c.size, c.size}, 4), arena);
+    const Tensor expected = to_tensor(conv(x, arena, 0, &residual));
+    const float* const memory = residual.values();
+    const FeatureMap y = conv.onto(std::move(residual), with_border(x, arena, 0), arena, c.border);
+    EXPECT_EQ(to_tensor(y).values, expected.values) << conv.algorithm();
+    EXPECT_EQ(y.values() == memory, c.in_place) << conv.algorithm();
+    EXPECT_EQ(y.border(), c.border);
   }
 }
 

@@ -6,7 +6,9 @@
 
 #include "nn/base/error.h"
 #include "nn/layers/conv2d.h"
+#include "nn/layers/narrow_maps.h"
 #include "nn/layers/reference/reference.h"
+#include "nn/simd/tile_unit.h"
 #include "tests/support/rounded_numbers.h"
 #include "tests/support/tensors.h"
 
@@ -97,6 +99,55 @@ TEST_P(LowPrecisionTest, WinogradIsAsCloseAsItsRoundingAllows) {
   // Its products are bf16 in both modes, and the transform back enlarges their rounding.
   expect_close(to_tensor(conv(to_feature_map(x, arena, 1), arena)), reference::conv2d(x, weight, {}, options),
                0.03F);
+}
+
+// Widening is exact, so maps of bf16 give the same sums, which are then rounded once.
+TEST_P(LowPrecisionTest, WinogradReadsAndWritesBf16) {
+  if (line_kernels() == nullptr) GTEST_SKIP() << "no maps of bf16 here";
+  const Numbers bf16{Precision::bf16, {}};
+  std::mt19937 random(4);
+  for (std::uint32_t trial = 0; trial < 12; ++trial) {
+    // Narrow maps, and some wider than the tiles that are widened at a time.
+    const int height = pick(random, 1, 12), width = pick(random, 1, 90), images = pick(random, 1, 2);
+    const int channels = pick(random, 32, 100), outputs = trial % 4 == 0 ? 48 : 32 * pick(random, 1, 3);
+    Conv2dOptions options;
+    options.padding = 1;
+    options.format = {GetParam(), {1.0F / 127, 127}, nullptr};
+    options.activation = trial % 3 == 0 ? Activation::silu : Activation::relu;
+    const Conv2d conv(random_tensor({outputs, channels, 3, 3}, trial), random_vector(outputs, trial),
+                      options);
+    ASSERT_STREQ(conv.algorithm(), "winograd");
+    EXPECT_EQ(conv.input_numbers(), bf16);
+    Arena arena;
+    const FeatureMap narrow = in_numbers(
+        to_feature_map(random_tensor({images, channels, height, width}, 50 + trial), arena, 1), bf16, arena);
+    const FeatureMap wide = in_numbers(narrow, {}, arena);
+    const FeatureMap residual = in_numbers(
+        to_feature_map(random_tensor({images, outputs, height, width}, trial), arena), bf16, arena);
+    const FeatureMap wide_residual = in_numbers(residual, {}, arena);
+    const Tensor expected = to_tensor(conv(wide, arena, 0, &wide_residual));
+    EXPECT_EQ(to_tensor(conv(narrow, arena, 1, &residual)).values, expected.values);
+    // Half a line, or an activation that is not part of the pass, is f32 whatever is asked for.
+    const FeatureMap rounded = conv(wide, arena, 1, &residual, bf16);
+    const bool stays_wide = outputs == 48 || options.activation == Activation::silu;
+    EXPECT_EQ(rounded.numbers(), stays_wide ? Numbers{} : bf16);
+    if (stays_wide) continue;
+    EXPECT_EQ(
+        to_tensor(in_numbers(rounded, {}, arena)).values,
+        to_tensor(in_numbers(in_numbers(conv(narrow, arena, 0, &residual), bf16, arena), {}, arena)).values);
+  }
+}
+
+TEST_P(LowPrecisionTest, DirectLayersReadBf16) {
+  if (line_kernels() == nullptr) GTEST_SKIP() << "no maps of bf16 here";
+  Conv2dOptions options;
+  options.format = {GetParam(), {1.0F / 127, 127}, nullptr};
+  const Conv2d conv(random_tensor({48, 70, 1, 1}, 1), {}, options);
+  Arena arena;
+  const FeatureMap narrow =
+      in_numbers(to_feature_map(random_tensor({1, 70, 5, 9}, 2), arena), {Precision::bf16, {}}, arena);
+  EXPECT_EQ(to_tensor(conv(narrow, arena)).values,
+            to_tensor(conv(in_numbers(narrow, {}, arena), arena)).values);
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, LowPrecisionTest, ::testing::Values(Precision::bf16, Precision::int8),
