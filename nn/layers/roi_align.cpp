@@ -76,18 +76,19 @@ void align_narrow_region(const FeatureMap& map, const Axis& rows, const Axis& co
 void align_region(const FeatureMap& map, const Axis& rows, const Axis& columns, int size, int region,
                   FeatureMap& output) {
   RoiAlignArguments a;
+  a.map = map.pixel(0, 0, 0, 0);
   a.map_row_stride = map.row_stride();
+  a.map_block_stride = map.block_stride();
+  a.blocks = map.blocks();
   a.rows = rows.samples;
   a.columns = columns.samples;
   a.row_sampling = rows.sampling;
   a.column_sampling = columns.sampling;
   a.size = size;
+  a.output = output.pixel(region, 0, 0, 0);
   a.output_row_stride = output.row_stride();
-  for (int b = 0; b < map.blocks(); ++b) {
-    a.map = map.pixel(0, b, 0, 0);
-    a.output = output.pixel(region, b, 0, 0);
-    kernels().roi_align(a);
-  }
+  a.output_block_stride = output.block_stride();
+  kernels().roi_align(a);
 }
 
 // A region on its way through the threads.

@@ -105,17 +105,18 @@ struct AxisSample {
   float low_weight = 0.0F, high_weight = 0.0F;
 };
 
-// One block of 16 channels of a region of RoIAlign: y[i][j] is the mean over bin (i, j)'s samples, which are
-// `row_sampling` x `column_sampling` of `rows` and `columns`, bin by bin. See nn/layers/roi_align.h.
+// A region of RoIAlign: y[i][j] is the mean over bin (i, j)'s samples, which are `row_sampling` x
+// `column_sampling` of `rows` and `columns`, bin by bin. See nn/layers/roi_align.h.
 struct RoiAlignArguments {
-  const float* map = nullptr;  // pixel (0, 0); pixels are 16 floats apart
-  std::ptrdiff_t map_row_stride = 0;
+  const float* map = nullptr;  // pixel (0, 0) of block 0; pixels are 16 floats apart
+  std::ptrdiff_t map_row_stride = 0, map_block_stride = 0;
+  int blocks = 0;  // of 16 channels
   const AxisSample* rows = nullptr;
   const AxisSample* columns = nullptr;
   int row_sampling = 0, column_sampling = 0;
   int size = 0;             // bins an axis
-  float* output = nullptr;  // bin (0, 0); bins are 16 floats apart
-  std::ptrdiff_t output_row_stride = 0;
+  float* output = nullptr;  // bin (0, 0) of block 0; bins are 16 floats apart
+  std::ptrdiff_t output_row_stride = 0, output_block_stride = 0;
 };
 
 // Boxes side by side, to be compared with one all at once; see nn/layers/nms.h.
