@@ -23,10 +23,10 @@ void note(int signal) {
   clock_gettime(CLOCK_MONOTONIC, &now);
   const long milliseconds = 1000 * now.tv_sec + now.tv_nsec / 1000000;
   const long since = milliseconds - seen_at.load();
-  const bool is_first = signal_seen.exchange(signal) == 0;
-  if (!is_first && since < kSame) return;
+  const int before = signal_seen.exchange(signal);
+  if (before == signal && since < kSame) return;
   seen_at.store(milliseconds);
-  if (is_first || since >= kTogether) return;
+  if (before == 0 || since >= kTogether) return;
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }

@@ -6,7 +6,7 @@
 //   write what is there
 //
 // While it lives the first signal only sets a flag; a second one within 3 s ends the process at once, but not
-// within 0.25 s, for it may be the same one, passed on by a script. A pipe that nobody reads any more
+// the same within 0.25 s, which a script has passed on. A pipe that nobody reads any more
 // (`penumbra ... | head`) does not end the process either. Under `nohup` SIGHUP stays ignored. One at a time.
 #pragma once
 

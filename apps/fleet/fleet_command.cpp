@@ -24,6 +24,8 @@ void make_plan(PlanOptions& options) {
   FleetPlan& plan = options.plan;
   plan.recordings = read_fleet_manifest(options.manifest);
   plan.folder = std::filesystem::absolute(options.manifest).parent_path();
+  if (plan.program.find('/') != plan.program.npos)
+    plan.program = std::filesystem::absolute(plan.program).lexically_normal().string();
   for (const std::string& path : {plan.folder.string(), plan.program}) {
     if (path.find_first_of("\t\n") != path.npos) throw Error(path + ": a path with a tab or a line's end");
   }
@@ -43,7 +45,10 @@ void make_report(const std::string& folder) {
   }
   const auto done = static_cast<std::size_t>(std::ranges::count(rows, FleetState::done, &FleetRow::state));
   fmt::print("{} of {} recordings are done; see {}/index.html\n", done, rows.size(), folder);
+  const std::string unmerged = why_not_merged(folder);
+  if (!unmerged.empty()) fmt::print("no merged map: {}\n", unmerged);
   if (done < rows.size()) throw Error(fmt::format("{} recordings are not done", rows.size() - done));
+  if (!unmerged.empty()) throw Error("the maps are not merged");
 }
 
 void add_plan_command(CLI::App& fleet) {

@@ -1,6 +1,9 @@
 #include "apps/fleet/fleet_report.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -34,6 +37,15 @@ std::string last_words_of(const fs::path& log) {
     if (!line.empty()) last = line;
   }
   return printable(error.empty() ? last : error, 300);
+}
+
+// Whether step.sh holds it.
+bool is_locked(const fs::path& lock) {
+  const int file = ::open(lock.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool locked = ::flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);  // and lets go
+  return locked;
 }
 
 // What a damaged or half-written run.json does not say stays unknown.
@@ -116,6 +128,8 @@ const char* name_of(FleetState state) {
   switch (state) {
     case FleetState::done:
       return "done";
+    case FleetState::at_work:
+      return "at work";
     case FleetState::stopped:
       return "stopped";
     case FleetState::failed:
@@ -135,15 +149,25 @@ std::vector<FleetRow> read_fleet(const fs::path& plan) {
     row.name = line.substr(0, tab);
     const fs::path run = plan / "runs" / row.name;
     const std::string job = tab == line.npos ? std::string() : line.substr(tab + 1);
-    if (text_of(run / "done") == job + '\n')
-      row.state = FleetState::done;
+    const std::string done = text_of(run / "done");
+    if (is_locked(run / "lock"))
+      row.state = FleetState::at_work;
+    else if (!done.empty())
+      row.state = done == job + '\n' ? FleetState::done : FleetState::not_begun;
     else if (fs::exists(run / "log.txt"))
       row.state = FleetState::failed;
-    read_figures(run / "run.json", row);
-    if (row.state != FleetState::done) row.last_words = last_words_of(run / "log.txt");
+    if (row.state == FleetState::done || row.state == FleetState::failed) read_figures(run / "run.json", row);
+    if (row.state == FleetState::failed || row.state == FleetState::stopped)
+      row.last_words = last_words_of(run / "log.txt");
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+std::string why_not_merged(const fs::path& plan) {
+  if (fs::exists(plan / "merged/done")) return {};
+  const std::string words = last_words_of(plan / "merged/log.txt");
+  return words.empty() ? "not begun" : words;
 }
 
 std::string fleet_table(const std::vector<FleetRow>& rows) {

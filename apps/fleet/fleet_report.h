@@ -8,8 +8,8 @@
 namespace penumbra::apps {
 
 // `stopped`: a signal ended it and its results are those until then. `failed`: it ended otherwise, or its
-// machine did.
-enum class FleetState { done, stopped, failed, not_begun };
+// machine did. `not_begun`: also where what is there is of an earlier plan.
+enum class FleetState { done, at_work, stopped, failed, not_begun };
 
 // The figures are those of its run.json; -1 where that does not have them.
 struct FleetRow {
@@ -24,6 +24,9 @@ const char* name_of(FleetState state);
 
 // One row a line of the plan's jobs.tsv, in its order. Throws InputError where `plan` has none.
 std::vector<FleetRow> read_fleet(const std::filesystem::path& plan);
+
+// Why there is no merged map of the plan, as its log says; empty where there is one.
+std::string why_not_merged(const std::filesystem::path& plan);
 
 // With a heading, tabs between.
 std::string fleet_table(const std::vector<FleetRow>& rows);

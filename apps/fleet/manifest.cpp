@@ -79,7 +79,8 @@ void require_existing(const std::string& path, const std::string& place, const c
 
 // As the command itself would say, without running it.
 void require_options(const std::vector<std::string>& arguments, const std::string& place) {
-  for (const char* ours : {"--out", "--save-map", "--load-map", "--view"}) {
+  for (const char* ours :
+       {"--out", "--save-map", "--load-map", "--view", "--print-settings", "--help", "-h"}) {
     for (const std::string& word : arguments) {
       if (word == ours || word.starts_with(std::string(ours) + "="))
         throw InputError(place, "options beside those that the plan gives", ours);

@@ -15,7 +15,8 @@ std::string settings_of(const FleetPlan& plan) {
   for (const std::string& option : plan.sbatch) all += in_shell_quotes(option) + ' ';
   if (!all.empty()) all.pop_back();
   return fmt::format(
-      "# Written by `penumbra fleet plan`; what is changed here counts from the next job on.\n"
+      "# Written by `penumbra fleet plan`; what is changed here counts from the next job on, until\n"
+      "# the plan is written anew.\n"
       "penumbra={}\n"
       "# Options of sbatch: of every job, of a recording's, of the merge's.\n"
       "all_options=({})\n"

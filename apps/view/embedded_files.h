@@ -5,12 +5,12 @@
 
 namespace penumbra::apps::embedded {
 
-std::string_view page_html();       // apps/view/report/page.html
-std::string_view page_css();        // apps/view/report/page.css
-std::string_view page_js();         // apps/view/report/page.js
-std::string_view live_html();       // apps/view/report/live.html
-std::string_view live_js();         // apps/view/report/live.js
-std::string_view fleet_step_sh();   // apps/fleet/scripts/step.sh
+std::string_view page_html();      // apps/view/report/page.html
+std::string_view page_css();       // apps/view/report/page.css
+std::string_view page_js();        // apps/view/report/page.js
+std::string_view live_html();      // apps/view/report/live.html
+std::string_view live_js();        // apps/view/report/live.js
+std::string_view fleet_step_sh();  // apps/fleet/scripts/step.sh
 std::string_view fleet_submit_sh();
 std::string_view fleet_here_sh();
 std::string_view three_js();        // three.js, from Debian's libjs-three (MIT licence)

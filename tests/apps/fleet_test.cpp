@@ -109,11 +109,16 @@ TEST_F(Fleet, EachRecordingIsDoneOrSaysWhyNot) {
             "a\tdone\t30\t29\t4\t12.3\t0.0123\t\n"
             "b\tfailed\t-\t-\t-\t-\t-\tb.bag: <torn>\n"
             "c\tstopped\t7\t-\t-\t-\t-\tinterrupted by SIGTERM after 7 frames\n"
-            "d\tfailed\t-\t-\t-\t-\t-\tended with exit code 137\n"
+            "d\tnot begun\t-\t-\t-\t-\t-\t\n"
             "e\tnot begun\t-\t-\t-\t-\t-\t\n");
   const std::string page = fleet_page(folder, read_fleet(folder));
   EXPECT_NE(page.find("1 of 5 recordings are done"), std::string::npos);
   EXPECT_NE(page.find("&lt;torn&gt;"), std::string::npos);
+  EXPECT_EQ(why_not_merged(folder), "not begun");
+  write("merged/log.txt", "== Monday\nerror: b.map: another camera\nended with exit code 1\n");
+  EXPECT_EQ(why_not_merged(folder), "b.map: another camera");
+  write("merged/done", "a");
+  EXPECT_EQ(why_not_merged(folder), "");
   test::expect_error<InputError>([&] { read_fleet(folder / "runs"); }, {"jobs.tsv"});
 }
 

@@ -1,15 +1,24 @@
 #!/usr/bin/env bash
-# Does the whole plan on this machine, one recording after the other: the same steps as on a cluster.
+# Does the whole plan on this machine, one recording after the other: the same steps as on a cluster. Exit code 0
+# where all recordings are done and merged.
 set -uo pipefail
 cd "$(dirname "$0")" || exit 1
-trap 'exit 130' INT
-trap 'exit 143' TERM
-for ((number = 1; number <= $(wc -l <jobs.tsv); ++number)); do
-  ./step.sh recording "$number" &
+stopped=0 step=
+trap 'stopped=1' INT # of a terminal it reaches penumbra, too
+trap 'stopped=1; [[ -z $step ]] || kill -TERM "$step" 2>/dev/null' TERM HUP
+
+# do_step WORDS...: a signal ends it with what it has, and then this script.
+do_step() {
+  ./step.sh "$@" &
   step=$!
-  trap 'kill -TERM "$step"; wait "$step"; exit 143' TERM INT
+  while kill -0 "$step" 2>/dev/null; do wait "$step"; done
   wait "$step"
-done
-trap - TERM INT
-./step.sh merge
-./step.sh report
+  local status=$?
+  step=
+  ((stopped == 0)) || { echo "here.sh: stopped; call it again to go on" >&2; exit 130; }
+  return "$status"
+}
+
+for ((number = 1; number <= $(wc -l <jobs.tsv); ++number)); do do_step recording "$number"; done
+do_step merge
+do_step report

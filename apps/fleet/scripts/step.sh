@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # One step of a fleet's plan. What is done already is not done again.
-#   step.sh recording N     maps the recording in line N of jobs.tsv, into runs/NAME
-#   step.sh merge           makes one map of those that are done, in merged
-#   step.sh report          writes table.tsv and index.html
-#   step.sh waiting         prints the lines of recordings that are not done
+#   step.sh recording N [FILE]   maps the recording in line N of jobs.tsv, or of FILE, into runs/NAME
+#   step.sh merge                makes one map of those that are done, in merged
+#   step.sh report               writes table.tsv and index.html
+#   step.sh waiting              prints the lines of recordings that are not done
 # Slurm runs it (submit.sh), or this machine alone (here.sh).
 set -uo pipefail
 cd "$(dirname "$0")" || exit 1
@@ -20,7 +20,10 @@ run() {
   echo "== $(date '+%F %T') on ${SLURMD_NODENAME:-$(uname -n)}: $*" >>"$log"
   "$@" >>"$log" 2>&1 &
   child=$!
-  trap 'kill -TERM "$child" 2>/dev/null' TERM INT HUP
+  # What was sent: penumbra may have got it, too, and takes the same one that comes twice at once for one.
+  trap 'kill -TERM "$child" 2>/dev/null' TERM
+  trap 'kill -INT "$child" 2>/dev/null' INT
+  trap 'kill -HUP "$child" 2>/dev/null' HUP
   while kill -0 "$child" 2>/dev/null; do wait "$child"; done
   wait "$child"
   status=$?
@@ -34,15 +37,22 @@ is_done() { [[ -e runs/$1/done && $(<"runs/$1/done") == "$2" ]]; }
 
 recording() {
   local name job folder arguments
+  (($# > 0)) || { echo "step.sh: which recording?" >&2; exit 2; }
   local -a words
-  IFS=$'\t' read -r name job < <(sed -n "${1}p" jobs.tsv)
-  [[ -n $name ]] || { echo "step.sh: jobs.tsv has no line $1" >&2; exit 2; }
+  IFS=$'\t' read -r name job < <(sed -n "${1}p" "${2:-jobs.tsv}")
+  [[ -n $name ]] || { echo "step.sh: ${2:-jobs.tsv} has no line $1" >&2; exit 2; }
   if is_done "$name" "$job"; then echo "$name: done before"; return; fi
   IFS=$'\t' read -r folder arguments <<<"$job"
-  mkdir -p "runs/$name" && rm -f "runs/$name/done" && cd "$folder" || exit 1
+  mkdir -p "runs/$name" || exit 1
+  # Held by penumbra, too, as long as it runs: two must not write one folder. A lost node's is let go after a while.
+  exec 9>"runs/$name/lock"
+  flock -w 300 -E 99 9
+  (($? != 99)) || { echo "$name: is at work elsewhere" >&2; exit 1; }
+  if is_done "$name" "$job"; then echo "$name: done meanwhile"; return; fi
+  rm -f "runs/$name/done" && cd "$folder" || exit 1
   eval "words=($arguments)" # quoted by `penumbra fleet plan`
   run "$here/runs/$name/log.txt" "$penumbra" slam "${words[@]}" --out "$here/runs/$name" \
-    --save-map "$here/runs/$name/recording.map" || { echo "$name: failed, see $here/runs/$name/log.txt"; exit 1; }
+    --save-map "$here/runs/$name/recording.map" || { echo "$name: not done, see $here/runs/$name/log.txt"; exit 1; }
   cd "$here/runs/$name" && echo "$job" >done.new && mv done.new done && echo "$name: done"
 }
 
@@ -63,7 +73,7 @@ merge() {
   ((${#maps[@]} > 0)) || { echo "step.sh: no recording is done: nothing to merge" >&2; exit 1; }
   of=$(stat -c '%n %s %Y' "${maps[@]}")
   if [[ -e merged/done && $(<merged/done) == "$of" ]]; then echo "merged before"; return; fi
-  mkdir -p merged && rm -f merged/done || exit 1
+  mkdir -p merged && rm -f merged/done merged/fleet.map || exit 1 # of other recordings
   if ((${#maps[@]} == 1)); then
     cp "${maps[0]}" merged/fleet.map || exit 1
   else
@@ -74,9 +84,9 @@ merge() {
 }
 
 case ${1:-} in
-  recording) recording "$2" ;;
+  recording) recording "${@:2}" ;;
   merge) merge ;;
   report) "$penumbra" fleet report "$here" ;;
   waiting) waiting ;;
-  *) sed -n '2,7s/^# //p' "$0" >&2; exit 2 ;;
+  *) sed -n '2,7s/^# //p' step.sh >&2; exit 2 ;;
 esac

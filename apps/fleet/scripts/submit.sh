@@ -10,10 +10,17 @@ here=$PWD print=0
 . ./settings.sh
 mkdir -p slurm
 
-# Two jobs must not write one folder.
-if ((print == 0)) && [[ -s submitted ]] && [[ -n $(squeue -h -j "$(paste -sd, submitted)" 2>/dev/null) ]]; then
-  echo "submit.sh: jobs of an earlier call are still there; end them first: scancel $(paste -sd' ' submitted)" >&2
-  exit 1
+# Jobs of an earlier call that are still there would be done twice.
+if ((print == 0)) && [[ -s submitted ]]; then
+  if still=$(squeue -h -j "$(paste -sd, submitted)" 2>slurm/squeue.txt); then
+    if [[ -n $still ]]; then
+      echo "submit.sh: jobs of an earlier call are still there; end them first: scancel $(paste -sd' ' submitted)" >&2
+      exit 1
+    fi
+  elif ! grep -q 'Invalid job id' slurm/squeue.txt; then # which Slurm has forgotten: ended long ago
+    echo "submit.sh: Slurm does not say whether jobs of an earlier call are still there: $(<slurm/squeue.txt)" >&2
+    exit 1
+  fi
 fi
 
 # 7 8 9 12: 7-9,12
@@ -39,10 +46,15 @@ job() {
 
 recordings=$(wc -l <jobs.tsv)
 waiting=$(./step.sh waiting)
-((print)) || : >submitted
 # A cluster bounds the numbers in an array (1000 by default): beyond them they are shifted.
-most=$(scontrol show config 2>/dev/null | awk '$1 == "MaxArraySize" {print $3 - 1}')
+most=$( (scontrol show config 2>/dev/null || true) | awk '$1 == "MaxArraySize" {print $3 - 1}')
 most=${most:-1000}
+# The jobs are those of the plan as it is now: a later plan changes no line under them.
+jobs=$here/slurm/jobs.$(date +%s).tsv
+if ((print == 0)); then
+  cp jobs.tsv "$jobs"
+  : >submitted
+fi
 after=''
 for ((shift = 0; shift < recordings; shift += most)); do
   numbers=()
@@ -53,7 +65,7 @@ for ((shift = 0; shift < recordings; shift += most)); do
   part=$(ranges "${numbers[@]}")
   ((at_once == 0)) || part+=%$at_once
   # shellcheck disable=SC2016 # Slurm sets it
-  after+=:$(job recording 'recording $((SLURM_ARRAY_TASK_ID + '"$shift"'))' --array="$part" \
+  after+=:$(job recording 'recording $((SLURM_ARRAY_TASK_ID + '"$shift"')) '"$(printf %q "$jobs")" --array="$part" \
     --output="$here/slurm/%A_%a.txt" --requeue --open-mode=append --signal=B:TERM@120 "${recording_options[@]}")
 done
 # afterany: what failed is left out and listed.
