@@ -46,9 +46,10 @@ void print_lens(const char* name, const slam::LensCamera& lens) {
   const bool fisheye = lens.model == slam::LensModel::equidistant;
   fmt::print("{:<10} fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g} pixels, {}{}\n", name, lens.fx, lens.fy,
              lens.cx, lens.cy,
-             lens.distortion.empty() ? "no distortion"
-             : fisheye               ? "equidistant"
-                                     : "radial-tangential",
+             lens.distortion.empty()      ? "no distortion"
+             : fisheye                    ? "equidistant"
+             : lens.distortion.size() > 5 ? "rational"
+                                          : "radial-tangential",
              field_of_view(lens));
 }
 

@@ -68,6 +68,7 @@ std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::Ster
 // says is the last line.
 void judge(const SlamOptions& options, const slam::Recorder& record, const SlamRun& run) {
   if (!run.error.empty()) throw Error(run.error);
+  if (record.results().empty()) throw Error("the recording ended before its first whole frame");
   const double share = record.tracked() / static_cast<double>(record.results().size());
   if (share < options.require_tracked) {
     throw Error(

@@ -73,6 +73,16 @@ TEST_F(Stream, OfEveryFrameGivesWhatTheRecordingGives) {
   EXPECT_EQ(of_stream, nn::read_text_file(path("folder/trajectory_kitti.txt"), "poses"));
 }
 
+TEST_F(Stream, ThatEndsInItsFirstFrameSaysSo) {
+  nn::write_file(path("torn.y4m"), nn::read_file(path("street.y4m"), "a stream").substr(0, 2000));
+  const test::ProgramResult stream = test::run_penumbra(
+      fmt::format("slam - --camera '{}' --every-frame --out '{}'", path("rig.yaml"), path("out")),
+      path("torn.y4m"));
+  EXPECT_EQ(stream.exit_code, 1);
+  EXPECT_NE(stream.err.find("error: the recording ended before its first whole frame"), std::string::npos)
+      << stream.err;
+}
+
 TEST_F(Stream, ThatComesTooFastLosesFramesAndSaysSo) {
   const test::ProgramResult stream = test::run_penumbra(
       fmt::format("slam - --camera '{}' --out '{}'", path("rig.yaml"), path("out")), path("street.y4m"));

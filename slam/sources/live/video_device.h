@@ -23,8 +23,8 @@
 namespace penumbra::slam {
 
 struct VideoFrame {
-  double timestamp =
-      0.0;  // seconds since 1970, of its first bytes' arrival or of the exposure, as the driver has it
+  // Seconds since 1970, of its first bytes' arrival or of the exposure, as the driver has it.
+  double timestamp = 0.0;
   std::vector<std::uint8_t> bytes;
 };
 
