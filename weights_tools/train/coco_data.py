@@ -1,4 +1,4 @@
-"""COCO instances files: reading, and images with their targets as the training needs them."""
+"""COCO instances files: reading, and images with their targets."""
 import collections
 import json
 import pathlib
@@ -55,13 +55,14 @@ class CocoData:
     label. Objects that show less than `least_area` pixels and crowds are no targets. `scale` resizes images."""
 
     def __init__(self, annotations, images, classes=(), least_area=12, scale=1.0):
-        self.folder, self.scale = pathlib.Path(images), scale
+        self.folder, self.scale, self.least_area = pathlib.Path(images), scale, least_area
         content = json.loads(pathlib.Path(annotations).read_text())
         ids = {c["name"]: c["id"] for c in content["categories"]}
         missing = [name for name in classes if name not in ids]
         if missing:
             raise SystemExit(f"{annotations}: no category {', '.join(missing)}; it has {', '.join(ids)}")
         label = {ids[name]: k for k, name in enumerate(classes, 1)} if classes else {i: i for i in ids.values()}
+        self.labels = sorted(label.items())
         objects = collections.defaultdict(list)
         for a in content["annotations"]:
             if not a.get("iscrowd") and a["category_id"] in label and a["area"] * scale * scale >= least_area and min(a["bbox"][2:]) >= 1:
@@ -72,8 +73,8 @@ class CocoData:
     def __len__(self):
         return len(self.entries)
 
-    def sample(self, index, flip=False, gain=1.0, offset=0.0, grey=False):
-        """Image [3, H, W] in 0..1, RGB, and its target; optionally mirrored, brightened (gain, offset) or grey."""
+    def decode(self, index):
+        """Image [H, W, 3] of bytes, RGB, masks [O, H, W], boxes [O, 4] as corners, and labels."""
         entry, objects = self.entries[index]
         image = cv2.imread(str(self.folder / entry["file_name"]), cv2.IMREAD_COLOR)
         if image is None:
@@ -86,45 +87,18 @@ class CocoData:
             image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
             masks = np.stack([cv2.resize(m, size, interpolation=cv2.INTER_AREA) for m in masks])
             boxes *= np.tile([size[0] / width, size[1] / height], 2).astype(np.float32)
-            width, height = size
+        return image[:, :, ::-1], masks, boxes, [label for label, _, _ in objects]
+
+    def sample(self, index, flip=False, gain=1.0, offset=0.0, grey=False):
+        """Image [3, H, W] in 0..1, RGB, and its target; optionally mirrored, brightened (gain, offset) or grey."""
+        image, masks, boxes, labels = self.decode(index)
         if flip:
             image, masks = image[:, ::-1], masks[:, :, ::-1]
-            boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
-        pixels = image[:, :, ::-1].astype(np.float32) * (gain / 255.0) + offset
+            boxes[:, [0, 2]] = image.shape[1] - boxes[:, [2, 0]]
+        pixels = image.astype(np.float32) * (gain / 255.0) + offset
         if grey:
             pixels = np.repeat(pixels @ LUMA, 3, 2)
         pixels = np.clip(pixels, 0.0, 1.0)
-        target = {"boxes": torch.from_numpy(boxes), "labels": torch.tensor([label for label, _, _ in objects]),
+        target = {"boxes": torch.from_numpy(boxes), "labels": torch.tensor(labels),
                   "masks": torch.from_numpy(np.ascontiguousarray(masks))}
         return torch.from_numpy(np.ascontiguousarray(pixels.transpose(2, 0, 1))), target
-
-
-class Batches:
-    """Endless batches in an order that depends on the seed alone; batch k is the same after any resume."""
-
-    def __init__(self, data, size, seed, grey=0.15):
-        self.data, self.size, self.seed, self.grey = data, size, seed, grey  # grey: share of images without colour
-
-    def index(self, position):
-        epoch, place = divmod(position, len(self.data))
-        order = np.random.default_rng([self.seed, epoch]).permutation(len(self.data))
-        return int(order[place])
-
-    def __getitem__(self, k):
-        random = np.random.default_rng([self.seed, 1 << 20, k])
-        batch = []
-        for position in range(k * self.size, (k + 1) * self.size):
-            batch.append(self.data.sample(self.index(position), flip=random.random() < 0.5,
-                                          gain=random.uniform(0.8, 1.25), offset=random.uniform(-0.05, 0.05),
-                                          grey=random.random() < self.grey))
-        return [image for image, _ in batch], [target for _, target in batch]
-
-
-def class_map(targets, height, width):
-    """Class of every pixel [N, H, W], 0 where nothing is; H and W those of the padded batch."""
-    classes = torch.zeros(len(targets), height, width, dtype=torch.uint8)
-    for n, target in enumerate(targets):
-        for label, mask in zip(target["labels"], target["masks"]):
-            h, w = mask.shape
-            classes[n, :h, :w][mask.bool()] = int(label)
-    return classes

@@ -69,7 +69,7 @@ class Loop:
             sums = {name: sums.get(name, 0.0) + value for name, value in losses.items()}
             counted += 1
             if self.step % 20 == 0 or self.step == last:
-                self.report({name: value / counted for name, value in sums.items()})
+                self.report({name: float(value) / counted for name, value in sums.items()})
                 sums, counted = {}, 0
             if self.step % self.options.checkpoint_every == 0 or self.step == last:
                 self.save()

@@ -21,16 +21,20 @@ import torch
 
 import evaluate
 import loop
-from coco_data import Batches, CocoData, class_map
+from batches import Batches
+from coco_data import CocoData
 from config import CONFIGS
+from detection_losses import DetectionLosses
 from export import export
 from initial_weights import load_initial
 from model import SemanticHead, build
+from packed_data import PackedData
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     loop.add_arguments(parser)
+    parser.add_argument("--packed", type=pathlib.Path, help="file of the decoded images; default: beside the annotations")
     parser.add_argument("--config", choices=CONFIGS, default="tiny")
     parser.add_argument("--attention", action="store_true", help="mixed attention in the pyramid; else the baseline")
     parser.add_argument("--val-annotations", help="validation set")
@@ -67,6 +71,7 @@ class Training(loop.Loop):
         self.peak = options.learning_rate or self.config.learning_rate
         data = CocoData(options.annotations, options.images, self.config.classes, scale=options.scale)
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
+        data = PackedData(data, options.annotations, options.packed or pathlib.Path(options.annotations).with_suffix(".packed"))
         self.batches = Batches(data, options.batch or self.config.batch, options.seed, options.grey)
         torch.manual_seed(options.seed)
         self.model = build(self.config, options.attention)
@@ -81,6 +86,7 @@ class Training(loop.Loop):
         self.semantic.to(self.device)
         self.optimizer = torch.optim.AdamW(
             parameter_groups(self.model, self.semantic, options.gate_rate, options.weight_decay), lr=self.peak)
+        self.detection_losses = DetectionLosses(self.model)
         self.resume()
 
     def kept(self):
@@ -89,13 +95,10 @@ class Training(loop.Loop):
     def noted(self):
         return dict(attention=self.options.attention, config=self.config.name)
 
-    def losses(self, images, targets):
-        losses = self.model([image.to(self.device) for image in images],
-                            [{k: v.to(self.device) for k, v in target.items()} for target in targets])
+    def losses(self, batch):
+        losses = self.detection_losses(batch)
         if self.config.semantic_weight > 0:
-            height, width = (max(image.shape[k] for image in images) + 31 & ~31 for k in (1, 2))
-            classes = class_map(targets, height, width).to(self.device)
-            losses["loss_semantic"] = self.config.semantic_weight * self.semantic.loss(classes)
+            losses["loss_semantic"] = self.config.semantic_weight * self.semantic.loss(batch.classes)
         return losses
 
     def one_step(self):
@@ -103,7 +106,7 @@ class Training(loop.Loop):
         rate = loop.learning_rate(self.step, self.options.steps, self.peak)
         for group in self.optimizer.param_groups:
             group["lr"] = rate * group["rate"]
-        losses = self.losses(*self.batches[self.step])
+        losses = self.losses(self.batches[self.step].to(self.device))
         total = sum(losses.values())
         self.optimizer.zero_grad(set_to_none=True)
         if torch.isfinite(total):
@@ -111,7 +114,7 @@ class Training(loop.Loop):
             torch.nn.utils.clip_grad_norm_(self.model.parameters(), 5.0)
             self.optimizer.step()
         self.step += 1
-        return {name: float(value) for name, value in losses.items()}
+        return {name: value.detach() for name, value in losses.items()}
 
     def finish(self):
         """Writes the weights; validates them and notes their AP in their metadata."""
