@@ -13,9 +13,9 @@ STRIDE = 32  # of the coarsest map that is made from images: sides are filled up
 @dataclasses.dataclass
 class Batch:
     """N images, filled up with zeros to H x W; the most objects in one of them are O (1 at least), all of them are M."""
+    sides: list            # (height, width) of each image
+    light: list            # (gain, offset, whether it becomes grey) of each
     pixels: torch.Tensor   # u8 [N, H, W, 3], RGB, mirrored where they shall be
-    sizes: torch.Tensor    # f32 [N, 2]: height and width of each
-    light: torch.Tensor    # f32 [N, 3]: gain, offset and whether the image becomes grey
     classes: torch.Tensor  # u8 [N, H, W]: class of every pixel, 0 where nothing is
     boxes: torch.Tensor    # f32 [N, O, 4]
     labels: torch.Tensor   # i64 [N, O], 0 where there is no object
@@ -25,24 +25,25 @@ class Batch:
     def to(self, device):
         if device.type == "cpu":
             return self
-        return Batch(*(getattr(self, f.name).pin_memory().to(device, non_blocking=True) for f in dataclasses.fields(self)))
+        moved = {name: value.pin_memory().to(device, non_blocking=True) for name, value in vars(self).items()
+                 if torch.is_tensor(value)}
+        return dataclasses.replace(self, **moved)
 
     def images(self):
-        """f32 [N, 3, H, W] in 0..1; zero outside the images."""
-        gain, offset, grey = (self.light[:, k, None, None, None] for k in range(3))
-        values = self.pixels.float() * (gain / 255.0) + offset
-        luma = values @ torch.as_tensor(LUMA, device=values.device)
-        values = torch.where(grey > 0, luma, values).clamp_(0.0, 1.0)
-        return self.inside(values.permute(0, 3, 1, 2))
+        """f32 [N, 3, H, W] in 0..1, of which the channels of a pixel lie beside each other."""
+        values = self.pixels.float()
+        for image, (gain, offset, grey) in zip(values, self.light):
+            image.mul_(gain / 255.0).add_(offset)
+            if grey:
+                image.copy_((image @ torch.as_tensor(LUMA, device=image.device)).expand_as(image))
+        return values.clamp_(0.0, 1.0).permute(0, 3, 1, 2)
 
-    def inside(self, images):
-        """Images [N, C, H, W] with zeros where they are filled up."""
-        height, width = images.shape[2:]
-        if bool((self.sizes == torch.tensor([height, width], device=self.sizes.device)).all()):
-            return images
-        rows = torch.arange(height, device=images.device)[None, :] < self.sizes[:, :1]
-        columns = torch.arange(width, device=images.device)[None, :] < self.sizes[:, 1:]
-        return images * (rows[:, None, :, None] & columns[:, None, None, :])
+    def inside_only(self, images):
+        """Sets `images` [N, C, H, W] to 0 where they are filled up."""
+        for image, (height, width) in zip(images, self.sides):
+            image[:, height:] = 0
+            image[:, :, width:] = 0
+        return images
 
 
 class Batches:
@@ -87,9 +88,8 @@ class Batches:
             boxes[i, :count], labels[i, :count], mask_of[i, :count] = corners, names, np.arange(first, end)
             self.data.masks_into(index, masks[first:end], flip)
             first = end
-        return Batch(*map(torch.from_numpy, (
-            pixels, np.array(sizes, np.float32), np.array([c[2:] for c in chosen], np.float32), classes, boxes, labels,
-            mask_of, masks)))
+        tensors = (pixels, classes, boxes, labels, mask_of, masks)
+        return Batch([tuple(side) for side in sizes], [light for _, _, *light in chosen], *map(torch.from_numpy, tensors))
 
     def __getitem__(self, k):
         prepared, future = self.next

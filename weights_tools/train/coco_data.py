@@ -52,10 +52,11 @@ LUMA = np.array([[0.299], [0.587], [0.114]], np.float32)  # of red, green, blue:
 class CocoData:
     """A data set: folder of images and its annotations. A sample is (image, target) as torchvision's detectors take
     them. `classes` names the categories to learn, in the order of the network's outputs; empty: a category's id is its
-    label. Objects that show less than `least_area` pixels and crowds are no targets. `scale` resizes images."""
+    label. Objects that show less than `least_area` pixels and crowds are no targets. `sides`: the shorter side that images
+    are scaled to and the longest they may get then; none: images as they are."""
 
-    def __init__(self, annotations, images, classes=(), least_area=12, scale=1.0):
-        self.folder, self.scale, self.least_area = pathlib.Path(images), scale, least_area
+    def __init__(self, annotations, images, classes=(), least_area=12, sides=None):
+        self.folder, self.sides, self.least_area = pathlib.Path(images), sides, least_area
         content = json.loads(pathlib.Path(annotations).read_text())
         ids = {c["name"]: c["id"] for c in content["categories"]}
         missing = [name for name in classes if name not in ids]
@@ -63,15 +64,25 @@ class CocoData:
             raise SystemExit(f"{annotations}: no category {', '.join(missing)}; it has {', '.join(ids)}")
         label = {ids[name]: k for k, name in enumerate(classes, 1)} if classes else {i: i for i in ids.values()}
         self.labels = sorted(label.items())
+        factors = {i["id"]: self.factor(i["height"], i["width"]) for i in content["images"]}
         objects = collections.defaultdict(list)
         for a in content["annotations"]:
-            if not a.get("iscrowd") and a["category_id"] in label and a["area"] * scale * scale >= least_area and min(a["bbox"][2:]) >= 1:
+            if a.get("iscrowd") or a["category_id"] not in label or min(a["bbox"][2:]) < 1:
+                continue
+            if a["area"] * factors[a["image_id"]] ** 2 >= least_area:
                 objects[a["image_id"]].append((label[a["category_id"]], a["bbox"], a["segmentation"]))
         self.entries = [(i, objects[i["id"]]) for i in content["images"] if objects[i["id"]]]
         self.instances = sum(len(o) for _, o in self.entries)
 
     def __len__(self):
         return len(self.entries)
+
+    def factor(self, height, width):
+        """What an image's sides are multiplied by; 1 where that changes them by less than a pixel."""
+        if not self.sides:
+            return 1.0
+        factor = min(self.sides[0] / min(height, width), self.sides[1] / max(height, width))
+        return factor if abs(factor - 1) * max(height, width) >= 1 else 1.0
 
     def decode(self, index):
         """Image [H, W, 3] of bytes, RGB, masks [O, H, W], boxes [O, 4] as corners, and labels."""
@@ -82,10 +93,11 @@ class CocoData:
         height, width = image.shape[:2]
         masks = np.stack([decode_mask(s, height, width) for _, _, s in objects])
         boxes = np.array([[x, y, x + w, y + h] for _, (x, y, w, h), _ in objects], np.float32)
-        if self.scale != 1.0:
-            size = round(width * self.scale), round(height * self.scale)
-            image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-            masks = np.stack([cv2.resize(m, size, interpolation=cv2.INTER_AREA) for m in masks])
+        factor = self.factor(height, width)
+        if factor != 1.0:
+            size = round(width * factor), round(height * factor)
+            way = cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR
+            image, masks = cv2.resize(image, size, interpolation=way), np.stack([cv2.resize(m, size, interpolation=way) for m in masks])
             boxes *= np.tile([size[0] / width, size[1] / height], 2).astype(np.float32)
         return image[:, :, ::-1], masks, boxes, [label for label, _, _ in objects]
 

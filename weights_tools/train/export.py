@@ -1,13 +1,17 @@
 """From a trained PyTorch network to a weights file that Penumbra reads."""
 import safetensors_file
-from model import fold_gains
+from model import fold_gains, with_both_gates
 
 
-def export(path, model, config, attention, **facts):
-    """Writes `path`; `facts` (training data, seed, AP, ...) go into its metadata beside what the engine must know."""
+def export(path, model, config, variant, **facts):
+    """Writes `path`; `facts` (training data, seed, AP, ...) go into its metadata beside what the engine must know.
+    The engine knows spatial, then channel. One gate alone is that with the other one's weights at zero. Channel, then
+    spatial gets names that the engine refuses; evaluate_in_python.py judges it."""
     state = model.state_dict()
-    if attention:
-        state = fold_gains(state, 2.0)
+    if variant != "baseline":
+        state = fold_gains(with_both_gates(state, config.reduction), 2.0)
+    if variant == "channel-spatial":
+        state = {name.replace(".attention.", ".attention_channel_first."): value for name, value in state.items()}
     metadata = {
         "network": "mask_rcnn",
         "batch_norm_eps": config.batch_norm_eps,
@@ -18,6 +22,7 @@ def export(path, model, config, attention, **facts):
         "max_size": config.max_size,
         "rpn_candidates": config.candidates,
         "rpn_proposals": config.proposals,
+        "attention": variant,
         **facts}
     if config.classes:
         metadata["classes"] = ",".join(config.classes)

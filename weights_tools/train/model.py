@@ -15,7 +15,9 @@ from torchvision.models.resnet import Bottleneck, ResNet
 from torchvision.ops.misc import FrozenBatchNorm2d
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "reference"))
-from mixed_attention import add_mixed_attention, fold_gains  # noqa: E402,F401
+from mixed_attention import ORDERS, LargestAndMean, add_mixed_attention, fold_gains, with_both_gates  # noqa: E402,F401
+
+VARIANTS = ("baseline", *ORDERS)
 
 
 class NarrowResNet(ResNet):
@@ -80,13 +82,14 @@ class SemanticHead(nn.Module):
 
     def loss(self, classes):
         """`classes` [N, H, W]: class numbers at the resolution of the images, H and W those of the batch."""
-        logits = self.logits(self.features)
+        logits = self.logits(self.features).float()
         target = F.interpolate(classes[:, None].float(), size=logits.shape[-2:], mode="nearest")[:, 0].long()
         return F.cross_entropy(logits, target)
 
 
 def build(config, attention, gain=2.0):
-    """The network of `config` with random weights, ready to train; a gain of 1 for weights that export.py wrote."""
+    """The network of `config` with random weights, ready to train; `attention`: whether it has the paper's, or one of
+    VARIANTS. A gain of 1 for weights that export.py wrote."""
     if config.frozen_norm:
         norm = lambda channels: FrozenBatchNorm2d(channels, eps=config.batch_norm_eps)
     else:
@@ -106,6 +109,7 @@ def build(config, attention, gain=2.0):
         box_head=BoxHead(channels, config.box_width, config.box_layers), box_predictor=FastRCNNPredictor(config.box_width, config.outputs),
         mask_head=MaskRCNNHeads(channels, (channels,) * config.mask_layers, 1),
         mask_predictor=mask_predictor)
-    if attention:
-        add_mixed_attention(model, reduction=config.reduction, gain=gain)
+    order = {True: "spatial-channel", False: "baseline"}.get(attention, attention)
+    if order != "baseline":
+        add_mixed_attention(model, config.reduction, gain, order)
     return model

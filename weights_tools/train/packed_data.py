@@ -23,7 +23,7 @@ VERSION = 1
 def checksum(data, annotations):
     """Of all that decides what the packed file holds."""
     sums = hashlib.sha256(pathlib.Path(annotations).read_bytes())
-    facts = [VERSION, data.scale, data.labels, data.least_area]
+    facts = [VERSION, data.sides, data.labels, data.least_area]
     for entry, _ in data.entries:
         status = (data.folder / entry["file_name"]).stat()
         facts.append([entry["file_name"], status.st_size, status.st_mtime_ns])

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Checks of the training code that need no data: gates start as the identity, folding keeps the outputs, layers that
 are computed otherwise than torchvision computes them agree with it, masks survive their encoding, YOLOv5's objects go to
-the cells that a loop finds, and its head says in training what it says afterwards, attention starts with gates that change nothing.
+the cells that a loop finds, and its head says in training what it says afterwards, attention starts with gates that change nothing,
+a batch has the targets, losses and gradients that torchvision finds image by image, packed data are what was decoded.
 
 usage: self_check.py        (prints one line a check; exit code 1 where one fails)
 """
@@ -12,9 +13,11 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
+import batch_checks
 from coco_data import decode_counts, decode_mask
 from config import CONFIGS
-from model import BoxHead, DoublingConv, build, fold_gains
+from model import BoxHead, DoublingConv, LargestAndMean, build, fold_gains, with_both_gates
+from train import numbers
 from yolov5_loss import STRIDES, assign, complete_iou
 from yolov5_loss import build as build_yolov5
 from yolov5_loss import start
@@ -134,12 +137,42 @@ def coordinate_attention_starts_as_the_identity():
         return torch.allclose(plain(image)[0], gated(image)[0], rtol=1e-4, atol=1e-5)
 
 
+def one_gate_is_both_with_one_at_zero():
+    for variant in ("spatial", "channel"):
+        one = seeded(variant)
+        torch.manual_seed(6)
+        for parameter in one.backbone.fpn.attention.parameters():
+            nn.init.normal_(parameter, std=0.3)
+        both = seeded(True, gain=1.0)
+        both.load_state_dict(fold_gains(with_both_gates(one.state_dict(), TINY.reduction), 2.0))
+        if not all(torch.allclose(a, b, rtol=1e-4, atol=1e-6) for a, b in zip(maps(one), maps(both))):
+            return False
+    return True
+
+
+def largest_and_mean_are_those_of_pytorch():
+    f = torch.randn(3, 35, 8, dtype=torch.float64, requires_grad=True)
+    for columns in (False, True):
+        weights, found, axis = torch.randn(2, 3, 8 if columns else 35), [], 1 if columns else 2
+        for a, b in (LargestAndMean.apply(f, columns), (f.amax(axis), f.mean(axis))):
+            gradient, = torch.autograd.grad((a * weights[0] + b * weights[1]).sum(), f)
+            found.append((a, b, gradient))
+        if not all(torch.allclose(p, q) for p, q in zip(*found)):
+            return False
+    return True
+
+
+def ranges_are_read():
+    return numbers("1-3,7") == [1, 2, 3, 7]
+
+
 def main():
     failed = False
     for check in (attention_starts_as_the_identity, folding_keeps_the_outputs, doubling_is_the_transposed_convolution,
                   box_head_is_linear, masks_survive_their_encoding, cells_are_those_of_a_loop,
                   the_iou_of_a_box_with_itself_is_one, the_trained_head_says_what_the_reference_says,
-                  coordinate_attention_starts_as_the_identity):
+                  coordinate_attention_starts_as_the_identity, one_gate_is_both_with_one_at_zero,
+                  largest_and_mean_are_those_of_pytorch, ranges_are_read, *batch_checks.CHECKS):
         good = check()
         failed |= not good
         print("ok    " if good else "FAILED", check.__name__.replace("_", " "))

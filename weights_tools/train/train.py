@@ -3,7 +3,9 @@
 
   train.py --annotations street/instances.json --images street --val-annotations val/instances.json --val-images val \\
            --attention --seed 1 --out out/attention_1
+  train.py ... --variants baseline,spatial,channel,spatial-channel,channel-spatial --seeds 1-5 --out out/table
 
+The second trains one network after the other, seed by seed, each to a folder of --out: out/table/spatial_3.
 Run again with the same --out, it goes on from the last checkpoint: order of the images, changes to them and samples
 drawn depend on the seed and the step alone. Writes to --out:
   checkpoint.pt            everything needed to go on
@@ -11,15 +13,20 @@ drawn depend on the seed and the step alone. Writes to --out:
   weights.safetensors      the network, for `penumbra segment`, `slam` and this script's --init
   ap.json                  COCO numbers on the validation set, by `penumbra eval-coco` (with --val-annotations)
 
-Needs Debian's python3-torch, python3-torchvision, python3-opencv. Uses a GPU where PyTorch has one.
+The first run decodes the data set to one file, beside the annotations or where --packed says; later ones map it.
+Needs Debian's python3-torch, python3-torchvision, python3-opencv, or PyPI's torch 2, torchvision, opencv-python-headless.
+Uses a GPU where PyTorch has one. Convolutions are of 16 bits (bf16) where the machine has an instruction for them.
 """
 import argparse
+import contextlib
+import copy
 import pathlib
 import sys
 
 import torch
 
 import evaluate
+import evaluate_in_python
 import loop
 from batches import Batches
 from coco_data import CocoData
@@ -27,7 +34,7 @@ from config import CONFIGS
 from detection_losses import DetectionLosses
 from export import export
 from initial_weights import load_initial
-from model import SemanticHead, build
+from model import VARIANTS, SemanticHead, build
 from packed_data import PackedData
 
 
@@ -37,6 +44,11 @@ def arguments():
     parser.add_argument("--packed", type=pathlib.Path, help="file of the decoded images; default: beside the annotations")
     parser.add_argument("--config", choices=CONFIGS, default="tiny")
     parser.add_argument("--attention", action="store_true", help="mixed attention in the pyramid; else the baseline")
+    parser.add_argument("--variants", help="several kinds of network, one after the other: " + ",".join(VARIANTS))
+    parser.add_argument("--seeds", help="several seeds, one after the other: 1-5 or 1,2,7")
+    parser.add_argument("--device", help="cpu or cuda; default: cuda where there is one")
+    parser.add_argument("--precision", choices=("auto", "f32", "bf16"), default="auto",
+                        help="of convolutions; auto: bf16 on a GPU and on processors with AMX or AVX512_BF16")
     parser.add_argument("--val-annotations", help="validation set")
     parser.add_argument("--val-images")
     parser.add_argument("--steps", type=int, default=1000)
@@ -63,29 +75,45 @@ def parameter_groups(model, semantic, gate_rate, weight_decay):
     return [dict(params=p, rate=rate, weight_decay=decay) for (rate, decay), p in groups.items()]
 
 
+def has_bf16(device):
+    """Whether `device` multiplies numbers of 16 bits faster than those of 32."""
+    if device.type == "cuda":
+        return torch.cuda.is_bf16_supported()
+    flags = pathlib.Path("/proc/cpuinfo")
+    words = set(flags.read_text().split()) if flags.exists() else set()
+    return int(torch.__version__.split(".")[0]) >= 2 and bool(words & {"amx_bf16", "avx512_bf16"})
+
+
+def adam(groups, rate, device):
+    """AdamW in one pass over each weight where PyTorch has that."""
+    try:
+        return torch.optim.AdamW(groups, lr=rate, fused=True)
+    except (TypeError, RuntimeError):  # before 2.0 on a GPU, before 2.4 on a processor
+        return torch.optim.AdamW(groups, lr=rate)
+
+
 class Training(loop.Loop):
     def __init__(self, options):
         super().__init__(options, digits=4)
         self.config = CONFIGS[options.config]
-        self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+        self.device = torch.device(options.device or ("cuda" if torch.cuda.is_available() else "cpu"))
+        self.bf16 = options.precision == "bf16" or options.precision == "auto" and has_bf16(self.device)
         self.peak = options.learning_rate or self.config.learning_rate
-        data = CocoData(options.annotations, options.images, self.config.classes, scale=options.scale)
+        sides = [round(side * options.scale) for side in (self.config.min_size, self.config.max_size)]
+        data = CocoData(options.annotations, options.images, self.config.classes, sides=sides)
         print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
         data = PackedData(data, options.annotations, options.packed or pathlib.Path(options.annotations).with_suffix(".packed"))
         self.batches = Batches(data, options.batch or self.config.batch, options.seed, options.grey)
         torch.manual_seed(options.seed)
-        self.model = build(self.config, options.attention)
+        self.model = build(self.config, options.variant)
         if options.init:
             load_initial(self.model, options.init)
-        if options.scale != 1.0:
-            self.model.transform.min_size = (round(self.config.min_size * options.scale),)
-            self.model.transform.max_size = round(self.config.max_size * options.scale)
         torch.manual_seed(options.seed)  # the same for either kind of network
         self.semantic = SemanticHead(self.model.backbone.fpn, self.config.pyramid_channels, self.config.outputs)
         self.model.to(self.device, memory_format=torch.channels_last).train()
         self.semantic.to(self.device)
-        self.optimizer = torch.optim.AdamW(
-            parameter_groups(self.model, self.semantic, options.gate_rate, options.weight_decay), lr=self.peak)
+        self.optimizer = adam(parameter_groups(self.model, self.semantic, options.gate_rate, options.weight_decay),
+                              self.peak, self.device)
         self.detection_losses = DetectionLosses(self.model)
         self.resume()
 
@@ -93,12 +121,13 @@ class Training(loop.Loop):
         return dict(model=self.model, semantic=self.semantic, optimizer=self.optimizer)
 
     def noted(self):
-        return dict(attention=self.options.attention, config=self.config.name)
+        return dict(attention=self.options.variant, config=self.config.name)
 
     def losses(self, batch):
-        losses = self.detection_losses(batch)
-        if self.config.semantic_weight > 0:
-            losses["loss_semantic"] = self.config.semantic_weight * self.semantic.loss(batch.classes)
+        with torch.autocast(self.device.type, torch.bfloat16) if self.bf16 else contextlib.nullcontext():
+            losses = self.detection_losses(batch)
+            if self.config.semantic_weight > 0:
+                losses["loss_semantic"] = self.config.semantic_weight * self.semantic.loss(batch.classes)
         return losses
 
     def one_step(self):
@@ -122,20 +151,44 @@ class Training(loop.Loop):
         weights = options.out / "weights.safetensors"
         facts = dict(training_data=options.data_name or pathlib.Path(options.annotations).stem, seed=options.seed, steps=options.steps,
                      images_per_step=self.batches.size)
-        export(weights, self.model, self.config, options.attention, **facts)
+        export(weights, self.model, self.config, options.variant, **facts)
         if not options.val_annotations:
             return
-        numbers = evaluate.evaluate(options.penumbra, weights, options.val_annotations, options.val_images, options.out)
+        judge = evaluate_in_python if options.in_python else evaluate
+        numbers = judge.evaluate(options.penumbra, weights, options.val_annotations, options.val_images, options.out)
         evaluate.stamp(weights, numbers)
         print(evaluate.summary(numbers))
 
 
+def numbers(text):
+    """1-3,7 as [1, 2, 3, 7]."""
+    ranges = [part.split("-") for part in text.split(",")]
+    return [n for ends in ranges for n in range(int(ends[0]), int(ends[-1]) + 1)]
+
+
+def runs(options):
+    """The options of every training that is asked for, in pairs: all variants of a seed, then the next seed."""
+    usual = "spatial-channel" if options.attention else "baseline"
+    variants = options.variants.split(",") if options.variants else [usual]
+    unknown = set(variants) - set(VARIANTS)
+    if unknown:
+        raise SystemExit(f"--variants: no {', '.join(sorted(unknown))}; there are {', '.join(VARIANTS)}")
+    for seed in numbers(options.seeds) if options.seeds else [options.seed]:
+        for variant in variants:
+            one = copy.copy(options)
+            one.seed, one.variant = seed, variant
+            one.in_python = "channel-spatial" in variants  # the engine has no such network: then one judge for all
+            if options.variants or options.seeds:
+                one.out = options.out / f"{variant}_{seed}"
+            yield one
+
+
 def main():
-    options = arguments()
-    options.out.mkdir(parents=True, exist_ok=True)
-    training = Training(options)
-    training.run()
-    training.finish()
+    for options in runs(arguments()):
+        options.out.mkdir(parents=True, exist_ok=True)
+        training = Training(options)
+        training.run()
+        training.finish()
 
 
 if __name__ == "__main__":
