@@ -127,7 +127,8 @@ def add_mixed_attention(model, reduction=16, gain=1.0, order="spatial-channel"):
 
 
 def with_both_gates(state, reduction, prefix="backbone.fpn."):
-    """Adds the gate that a network of one gate lacks, with weights of zero: 2 sigmoid(0) = 1 changes nothing."""
+    """Adds the gate that a network of one gate lacks, with weights of zero: 2 sigmoid(0) = 1 changes nothing. The network
+    is then one of spatial-channel."""
     state = dict(state)
     for k in range(4):
         attention, lateral = f"{prefix}attention.{k}.", state[f"{prefix}inner_blocks.{k}.0.weight"]
@@ -138,18 +139,23 @@ def with_both_gates(state, reduction, prefix="backbone.fpn."):
     return state
 
 
-def fold_gains(state, gain, prefix="backbone.fpn."):
+def fold_gains(state, gain, order, prefix="backbone.fpn."):
     """Weights for gates of sigmoid from weights for gates of gain sigmoid; the outputs stay the same.
 
-    The lateral convolution takes both gains: g s_c(..) g s_s(..) W = s_c(..) s_s(..) (g^2 W). The gates then read maps
-    that are g^2 and g times as large, which their first weights undo; the MLP has no bias, so its ReLU lets g pass.
+    The lateral convolution takes both gains: g s_c(..) g s_s(..) W = s_c(..) s_s(..) (g^2 W). The first gate then reads
+    maps that are g^2 times as large and the second one, behind a gate without its g, maps that are g times as large,
+    which their first weights undo; the MLP has no bias, so its ReLU lets g pass. Both gates must be there
+    (with_both_gates); which is the first one depends on `order`, one of ORDERS: spatial, save for channel-spatial.
     """
     state = dict(state)
+    first, second = "spatial.weight", "channel.reduce.weight"
+    if order == "channel-spatial":
+        first, second = second, first
     for k in range(4):
         attention = f"{prefix}attention.{k}."
         for name, factor in ((f"{prefix}inner_blocks.{k}.0.weight", gain * gain),
                              (f"{prefix}inner_blocks.{k}.0.bias", gain * gain),
-                             (attention + "spatial.weight", 1 / (gain * gain)),
-                             (attention + "channel.reduce.weight", 1 / gain)):
+                             (attention + first, 1 / (gain * gain)),
+                             (attention + second, 1 / gain)):
             state[name] = state[name] * factor
     return state

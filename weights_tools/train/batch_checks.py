@@ -2,6 +2,7 @@
 which go image by image, and packed data against decoded ones."""
 import copy
 import json
+import math
 import pathlib
 import tempfile
 
@@ -10,9 +11,9 @@ import numpy as np
 import torch
 from torch import nn
 
-from assignment import assign_anchors, assign_proposals, draw
+from assignment import assign_anchors, assign_proposals, draw, take
 from batches import Batch, Batches
-from coco_data import CocoData
+from coco_data import LUMA, CocoData
 from config import CONFIGS
 from detection_losses import DetectionLosses
 from model import build
@@ -92,6 +93,19 @@ class GivenDraws:
         return found[::2], found[1::2]
 
 
+def order_of(boxes, valid):
+    """An order of boxes [..., K, 4] that does not depend on their scores, which rounding may swap; those used first."""
+    key = boxes.detach() @ torch.tensor([1.0, 3.14159, 2.71828, 1.41421])
+    return key.masked_fill(~valid, math.inf).argsort(-1)
+
+
+class OrderedLosses(DetectionLosses):
+    def proposals(self, *inputs):
+        boxes, valid = super().proposals(*inputs)
+        order = order_of(boxes, valid)
+        return take(boxes, order), valid.gather(1, order)
+
+
 def a_batch_has_the_losses_that_torchvision_finds():
     batch, images, targets = random_batch()
     torch.manual_seed(8)
@@ -107,7 +121,19 @@ def a_batch_has_the_losses_that_torchvision_finds():
         drawn.append(torch.rand(shape, device=device))
         return drawn[-1]
 
-    losses = DetectionLosses(model)(batch, random)
+    def ordered(*inputs, filtered=given.rpn.filter_proposals):
+        boxes, scores = filtered(*inputs)
+        return [b[order_of(b, torch.ones(len(b), dtype=torch.bool))] for b in boxes], scores
+
+    same_images = []
+
+    def batch_images(images, made=given.transform.batch_images, size_divisible=32):
+        normalized = OrderedLosses(model).normalized(batch)
+        same_images.append(torch.allclose(normalized, made(images, size_divisible), atol=1e-5))
+        return normalized  # the same bits: rounding would send gradients through other pixels of max pooling
+
+    given.rpn.filter_proposals, given.transform.batch_images = ordered, batch_images
+    losses = OrderedLosses(model)(batch, random)
     anchor_keys, keys = drawn
     slots = keys.shape[1] - batch.boxes.shape[1]  # proposals first, then objects
     of_image = lambda k, label, count: torch.cat([k[:len(label) - count], k[slots:slots + count]])
@@ -115,7 +141,7 @@ def a_batch_has_the_losses_that_torchvision_finds():
     given.roi_heads.fg_bg_sampler = GivenDraws(given.roi_heads.fg_bg_sampler, lambda labels: [
         of_image(k, label, len(t["labels"])) for k, label, t in zip(keys, labels, targets)])
     expected = given(images, targets)
-    if set(losses) != set(expected) or not all(torch.allclose(losses[n], expected[n], rtol=1e-4, atol=1e-6) for n in losses):
+    if same_images != [True] or set(losses) != set(expected) or not all(torch.allclose(losses[n], expected[n], rtol=1e-4, atol=1e-6) for n in losses):
         return False
     sum(losses.values()).backward()
     sum(expected.values()).backward()
@@ -123,6 +149,21 @@ def a_batch_has_the_losses_that_torchvision_finds():
         if (a.grad is None) != (b.grad is None) or a.grad is not None and (a.grad - b.grad).norm() > 1e-3 * b.grad.norm() + 1e-6:
             return False
     return True
+
+
+def sample(data, index, flip, gain, offset, grey):
+    """Image [3, H, W] in 0..1, RGB, and its target as torchvision's detectors take it, straight from a CocoData; mirrored,
+    brightened (gain, offset) or grey."""
+    image, masks, boxes, labels = data.decode(index)
+    if flip:
+        image, masks = image[:, ::-1], masks[:, :, ::-1]
+        boxes[:, [0, 2]] = image.shape[1] - boxes[:, [2, 0]]
+    pixels = image.astype(np.float32) * (gain / 255.0) + offset
+    if grey:
+        pixels = np.repeat(pixels @ LUMA, 3, 2)
+    pixels = np.clip(pixels, 0.0, 1.0)
+    target = dict(boxes=torch.from_numpy(boxes), labels=torch.tensor(labels), masks=torch.from_numpy(masks.copy()))
+    return torch.from_numpy(np.ascontiguousarray(pixels.transpose(2, 0, 1))), target
 
 
 def packed_data_are_what_was_decoded():
@@ -149,7 +190,7 @@ def packed_data_are_what_was_decoded():
             batch = batches[k]
             images = batch.inside_only(batch.images())
             for i, change in enumerate(batches.changes(k)):
-                image, target = data.sample(*change)
+                image, target = sample(data, *change)
                 height, width = image.shape[1:]
                 rest = images[i].clone()
                 rest[:, :height, :width] = 0
@@ -165,9 +206,24 @@ def packed_data_are_what_was_decoded():
         PackedData(data, annotations, folder / "packed")
         if (folder / "packed").stat().st_mtime_ns != written:  # nothing has changed, so it is kept
             return False
+        whole = (folder / "packed").read_bytes()
+        for other in (b"", b"{}", b"\xff" * 99, b"[]" + (2).to_bytes(8, "little"), whole[:-1], whole[:5000]):
+            (folder / "packed").write_bytes(other)  # cut short, or not a packed file at all: it is made again
+            PackedData(data, annotations, folder / "packed")
+            if (folder / "packed").read_bytes() != whole:
+                return False
         content["annotations"].pop()
+        content["annotations"].append(dict(content["annotations"][0], image_id=99))  # of an image that is not listed
         annotations.write_text(json.dumps(content))
-        return PackedData(CocoData(annotations, folder, sides=(40, 90)), annotations, folder / "packed").images[2][3][2:] == []
+        data = CocoData(annotations, folder, sides=(40, 90))
+        if PackedData(data, annotations, folder / "packed").images[2][3][2:]:
+            return False
+        (folder / "2.png").write_bytes(b"")
+        try:
+            PackedData(data, annotations, folder / "packed")
+        except SystemExit:  # interrupted, it leaves no part of a file
+            return sorted(p.name for p in folder.iterdir()) == ["0.png", "1.png", "2.png", "instances.json", "packed"]
+        return False
 
 
 CHECKS = (anchors_belong_to_the_objects_that_torchvision_finds, proposals_belong_to_the_objects_that_torchvision_finds,

@@ -57,9 +57,10 @@ class Batches:
 
     def index(self, position):
         epoch, place = divmod(position, len(self.data))
-        if self.order[0] != epoch:
-            self.order = epoch, np.random.default_rng([self.seed, epoch]).permutation(len(self.data))
-        return int(self.order[1][place])
+        order = self.order  # read once: the thread that prepares batches may put another epoch's in its place
+        if order[0] != epoch:
+            order = self.order = epoch, np.random.default_rng([self.seed, epoch]).permutation(len(self.data))
+        return int(order[1][place])
 
     def changes(self, k):
         """Image, whether it is mirrored, gain, offset and whether it is grey, of every image of batch k."""

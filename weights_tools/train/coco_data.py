@@ -1,11 +1,10 @@
-"""COCO instances files: reading, and images with their targets."""
+"""COCO instances files: reading, and images with their objects."""
 import collections
 import json
 import pathlib
 
 import cv2
 import numpy as np
-import torch
 
 
 def decode_counts(text):
@@ -28,6 +27,12 @@ def decode_counts(text):
     return counts
 
 
+def counts_of(mask):
+    """Plain run lengths of a mask, column by column, first of zeros."""
+    flat = np.concatenate([[0], mask.T.ravel(), [2]])
+    return np.diff(np.flatnonzero(np.diff(flat)), prepend=0).tolist()
+
+
 def decode_mask(segmentation, height, width):
     """A segmentation (compressed or plain run lengths, or polygons) as an array of 0 and 1."""
     if isinstance(segmentation, list):
@@ -38,7 +43,7 @@ def decode_mask(segmentation, height, width):
         return mask
     counts = segmentation["counts"]
     if isinstance(counts, str):
-        counts = segmentation["counts"] = np.array(decode_counts(counts))  # kept: decoding takes longest
+        counts = decode_counts(counts)
     values = (np.arange(len(counts)) & 1).astype(np.uint8)
     flat = np.repeat(values, counts)
     if flat.size != height * width:
@@ -49,25 +54,38 @@ def decode_mask(segmentation, height, width):
 LUMA = np.array([[0.299], [0.587], [0.114]], np.float32)  # of red, green, blue: what a grey camera sees
 
 
+def read_rgb(path):
+    """Image [H, W, 3] of bytes."""
+    image = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    if image is None:
+        raise SystemExit(f"{path}: no image that can be read")
+    return np.ascontiguousarray(image[:, :, ::-1])
+
+
+def labels_of(categories, classes, annotations):
+    """Label of the id of every category that is learned, see CocoData; `annotations`: the file, for the error."""
+    ids = {c["name"]: c["id"] for c in categories}
+    missing = [name for name in classes if name not in ids]
+    if missing:
+        raise SystemExit(f"{annotations}: no category {', '.join(missing)}; it has {', '.join(ids)}")
+    return {ids[name]: k for k, name in enumerate(classes, 1)} if classes else {i: i for i in ids.values()}
+
+
 class CocoData:
-    """A data set: folder of images and its annotations. A sample is (image, target) as torchvision's detectors take
-    them. `classes` names the categories to learn, in the order of the network's outputs; empty: a category's id is its
-    label. Objects that show less than `least_area` pixels and crowds are no targets. `sides`: the shorter side that images
-    are scaled to and the longest they may get then; none: images as they are."""
+    """A data set: folder of images and its annotations. `classes` names the categories to learn, in the order of the
+    network's outputs; empty: a category's id is its label. Objects that show less than `least_area` pixels, crowds and
+    objects of images that are not listed are left out. `sides`: the shorter side that images are scaled to and the
+    longest they may get then; none: images as they are."""
 
     def __init__(self, annotations, images, classes=(), least_area=12, sides=None):
         self.folder, self.sides, self.least_area = pathlib.Path(images), sides, least_area
         content = json.loads(pathlib.Path(annotations).read_text())
-        ids = {c["name"]: c["id"] for c in content["categories"]}
-        missing = [name for name in classes if name not in ids]
-        if missing:
-            raise SystemExit(f"{annotations}: no category {', '.join(missing)}; it has {', '.join(ids)}")
-        label = {ids[name]: k for k, name in enumerate(classes, 1)} if classes else {i: i for i in ids.values()}
+        label = labels_of(content["categories"], classes, annotations)
         self.labels = sorted(label.items())
         factors = {i["id"]: self.factor(i["height"], i["width"]) for i in content["images"]}
         objects = collections.defaultdict(list)
         for a in content["annotations"]:
-            if a.get("iscrowd") or a["category_id"] not in label or min(a["bbox"][2:]) < 1:
+            if a.get("iscrowd") or a["category_id"] not in label or min(a["bbox"][2:]) < 1 or a["image_id"] not in factors:
                 continue
             if a["area"] * factors[a["image_id"]] ** 2 >= least_area:
                 objects[a["image_id"]].append((label[a["category_id"]], a["bbox"], a["segmentation"]))
@@ -87,9 +105,7 @@ class CocoData:
     def decode(self, index):
         """Image [H, W, 3] of bytes, RGB, masks [O, H, W], boxes [O, 4] as corners, and labels."""
         entry, objects = self.entries[index]
-        image = cv2.imread(str(self.folder / entry["file_name"]), cv2.IMREAD_COLOR)
-        if image is None:
-            raise SystemExit(f"{self.folder / entry['file_name']}: no image that can be read")
+        image = read_rgb(self.folder / entry["file_name"])
         height, width = image.shape[:2]
         masks = np.stack([decode_mask(s, height, width) for _, _, s in objects])
         boxes = np.array([[x, y, x + w, y + h] for _, (x, y, w, h), _ in objects], np.float32)
@@ -99,18 +115,4 @@ class CocoData:
             way = cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR
             image, masks = cv2.resize(image, size, interpolation=way), np.stack([cv2.resize(m, size, interpolation=way) for m in masks])
             boxes *= np.tile([size[0] / width, size[1] / height], 2).astype(np.float32)
-        return image[:, :, ::-1], masks, boxes, [label for label, _, _ in objects]
-
-    def sample(self, index, flip=False, gain=1.0, offset=0.0, grey=False):
-        """Image [3, H, W] in 0..1, RGB, and its target; optionally mirrored, brightened (gain, offset) or grey."""
-        image, masks, boxes, labels = self.decode(index)
-        if flip:
-            image, masks = image[:, ::-1], masks[:, :, ::-1]
-            boxes[:, [0, 2]] = image.shape[1] - boxes[:, [2, 0]]
-        pixels = image.astype(np.float32) * (gain / 255.0) + offset
-        if grey:
-            pixels = np.repeat(pixels @ LUMA, 3, 2)
-        pixels = np.clip(pixels, 0.0, 1.0)
-        target = {"boxes": torch.from_numpy(boxes), "labels": torch.tensor(labels),
-                  "masks": torch.from_numpy(np.ascontiguousarray(masks))}
-        return torch.from_numpy(np.ascontiguousarray(pixels.transpose(2, 0, 1))), target
+        return image, masks, boxes, [label for label, _, _ in objects]

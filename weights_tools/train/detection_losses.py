@@ -13,8 +13,6 @@ sets; slots that are not used have weight 0. Three things make it quick besides:
 The weights are the model's own, so checkpoints, export and evaluation with torchvision's forward stay as they are.
 self_check.py compares losses and gradients with torchvision's for the same draws.
 """
-import functools
-
 import torch
 from torch.nn import functional as F
 from torchvision.models.detection.image_list import ImageList
@@ -24,25 +22,35 @@ from assignment import assign_anchors, assign_proposals, draw, encode, take
 from pyramid_points import Levels, read
 
 
+def sample(sampler, labels, random):
+    """Indices that torchvision's `sampler` would draw, which of them are used, and how many of them can be objects."""
+    most = int(sampler.batch_size_per_image * sampler.positive_fraction)
+    return *draw(labels, sampler.batch_size_per_image, most, random(labels.shape, device=labels.device)), most
+
+
 class DetectionLosses:
     """Losses of `model`, a MaskRCNN of model.py in training mode, for a Batch."""
 
     def __init__(self, model):
         self.model, self.rpn, self.heads = model, model.rpn, model.roi_heads
-        self.levels = functools.lru_cache(16)(self.new_levels)
+        self.per_position = self.rpn.anchor_generator.num_anchors_per_location()[0]
+        self.known = {}  # levels and anchors of the last shapes of batches
 
-    def new_levels(self, shapes, sides, device):
-        """Levels and anchors [A, 4] of a batch whose maps have these shapes and whose images these sides."""
-        maps = [torch.empty(shape, device=device) for shape in shapes]
-        images = ImageList(torch.empty(1, 3, *sides, device=device), [sides])
-        anchors = self.rpn.anchor_generator(images, [m[:1] for m in maps])[0]
-        return Levels([tuple(m.shape[2:]) for m in maps], sides, shapes[0][0], device), anchors
+    def levels(self, sizes, sides, images, device):
+        """Levels and anchors [A, 4] of a batch of so many images of these sides, whose maps have these sizes."""
+        key = sizes, sides, images, device
+        if key not in self.known:
+            if len(self.known) == 16:  # where images have many sizes, anchors of all would fill the memory
+                self.known.pop(next(iter(self.known)))
+            empty = [torch.empty(1, 1, *size, device=device) for size in (sides, *sizes)]
+            anchors = self.rpn.anchor_generator(ImageList(empty[0], [sides]), empty[1:])[0]
+            self.known[key] = Levels(list(sizes), sides, images, device), anchors
+        return self.known[key]
 
     def normalized(self, batch):
         """f32 [N, 3, H, W] as GeneralizedRCNNTransform makes it; zero where an image is filled up."""
         images, transform = batch.images(), self.model.transform
-        for values, *of_channel in zip(images.unbind(1), transform.image_mean, transform.image_std):
-            mean, std = of_channel
+        for values, mean, std in zip(images.unbind(1), transform.image_mean, transform.image_std):
             values.sub_(mean).div_(std)
         return batch.inside_only(images)
 
@@ -56,15 +64,15 @@ class DetectionLosses:
     @torch.no_grad()
     def proposals(self, objectness, changes, anchors, levels, sides):
         """Boxes [N, P, 4] that the proposal network finds, and which slots are used; as filter_proposals."""
-        per_position, chosen, begin = len(anchors) // len(levels.position), [], 0
+        chosen, begin = [], 0
         for height, width in levels.sizes:
-            count = height * width * per_position
+            count = height * width * self.per_position
             top = objectness[:, begin:begin + count].topk(min(count, self.rpn.pre_nms_top_n()), 1).indices
             chosen.append(top + begin)
             begin += count
         chosen = torch.cat(chosen, 1)
         n, k = chosen.shape
-        level = levels.position_level[torch.div(chosen, per_position, rounding_mode="floor")]
+        level = levels.position_level[torch.div(chosen, self.per_position, rounding_mode="floor")]
         boxes = self.rpn.box_coder.decode_single(take(changes, chosen).reshape(-1, 4), anchors[chosen.reshape(-1)])
         limits = torch.tensor([[[w, h, w, h]] for h, w in sides], dtype=boxes.dtype, device=boxes.device)
         boxes = torch.minimum(boxes.reshape(n, k, 4).clamp(min=0), limits)
@@ -92,26 +100,22 @@ class DetectionLosses:
 
     def of_maps(self, maps, sides, batch, random):
         rpn, heads = self.rpn, self.heads
-        levels, anchors = self.levels(tuple(tuple(m.shape) for m in maps), tuple(sides), maps[0].device)
         n, there = len(batch.boxes), batch.labels > 0
+        levels, anchors = self.levels(tuple(tuple(m.shape[2:]) for m in maps), tuple(sides), n, maps[0].device)
         picture = torch.arange(n, device=anchors.device)[:, None]
-        objectness, changes = self.dense([m.detach() for m in maps])
+        objectness, changes = self.dense(maps)
 
-        sampler, matcher = rpn.fg_bg_sampler, rpn.proposal_matcher
+        matcher = rpn.proposal_matcher
         with torch.no_grad():
             labels, which = assign_anchors(batch.boxes, there, anchors, matcher.low_threshold, matcher.high_threshold)
-            seen, seen_used = draw(labels, sampler.batch_size_per_image,
-                                   int(sampler.batch_size_per_image * sampler.positive_fraction),
-                                   random(labels.shape, device=labels.device))
+            seen, seen_used, _ = sample(rpn.fg_bg_sampler, labels, random)
             seen_object = (labels.gather(1, seen) > 0) & seen_used
             seen_target = encode(rpn.box_coder, take(batch.boxes, which.gather(1, seen)), anchors[seen], seen_object)
 
             boxes, valid = self.proposals(objectness, changes, anchors, levels, batch.sides)
             boxes, valid = torch.cat([boxes, batch.boxes], 1), torch.cat([valid, there], 1)
             labels, which = assign_proposals(batch.boxes, there, batch.labels, boxes, valid, heads.proposal_matcher.high_threshold)
-            sampler = heads.fg_bg_sampler
-            most = int(sampler.batch_size_per_image * sampler.positive_fraction)
-            chosen, used = draw(labels, sampler.batch_size_per_image, most, random(labels.shape, device=labels.device))
+            chosen, used, most = sample(heads.fg_bg_sampler, labels, random)
             boxes, which = take(boxes, chosen), which.gather(1, chosen)
             labels = torch.where(used, labels.gather(1, chosen), torch.zeros_like(chosen))
             target = encode(heads.box_coder, take(batch.boxes, which), boxes, labels > 0)
@@ -122,8 +126,7 @@ class DetectionLosses:
             image = picture.expand_as(labels)
             first = lambda values: values.view(n, -1)[:, :most].reshape(-1)
             box_bins, mask_bins = heads.box_roi_pool.output_size[0], heads.mask_roi_pool.output_size[0]
-            per_position = len(anchors) // len(levels.position)
-            place = torch.div(seen, per_position, rounding_mode="floor").reshape(-1)
+            place = torch.div(seen, self.per_position, rounding_mode="floor").reshape(-1)
             around, weight = levels.around(place, picture.expand_as(seen).reshape(-1))
             reads = [levels.aligned(boxes.reshape(-1, 4), image.reshape(-1), level, box_bins),
                      levels.aligned(mask_boxes, first(image), first(level), mask_bins),
@@ -131,12 +134,12 @@ class DetectionLosses:
         box_maps, mask_maps, patches = read(levels.rows(maps), reads)
         return {**self.box_losses(box_maps.unflatten(1, (box_bins, box_bins)), labels, used, target),
                 **self.mask_loss(mask_maps.unflatten(1, (mask_bins, mask_bins)), mask_labels, mask_boxes, mask_which, batch.masks),
-                **self.proposal_losses(patches, (seen % per_position).reshape(-1), seen_object, seen_used, seen_target)}
+                **self.proposal_losses(patches, (seen % self.per_position).reshape(-1), seen_object, seen_used, seen_target)}
 
     def proposal_losses(self, patches, shape, is_object, used, target):
         """Of sampled anchors, from the 3 x 3 pixels [S, 9, C] of each; `shape` [S]: which of a position's anchors it is."""
         head = self.rpn.head
-        conv = head.conv[0][0] if isinstance(head.conv[0], torch.nn.Sequential) else head.conv[0]
+        conv = head.conv[0][0]
         hidden = F.relu(F.linear(patches.flatten(1), conv.weight.permute(0, 2, 3, 1).flatten(1), conv.bias))
         rows = torch.arange(len(shape), device=shape.device)
         scores = F.linear(hidden, head.cls_logits.weight.flatten(1), head.cls_logits.bias)[rows, shape]
@@ -162,8 +165,8 @@ class DetectionLosses:
         predictor, logits = self.heads.mask_predictor, self.heads.mask_predictor.mask_fcn_logits
         deconvolution, side = predictor.conv5_mask, maps.shape[1]
         with torch.no_grad():
-            rows = torch.arange(len(labels), device=labels.device)[:, None]
-            target = roi_align(masks[which][:, None].float(), torch.cat([rows.float(), boxes], 1), (2 * side, 2 * side), 1.0)
+            kept, rows = which.unique(return_inverse=True)
+            target = roi_align(masks[kept][:, None].float(), torch.cat([rows[:, None].float(), boxes], 1), (2 * side, 2 * side), 1.0)
             target = target.view(-1, side, 2, side, 2).permute(0, 1, 3, 2, 4).reshape(len(labels), -1)
         hidden = self.heads.mask_head(maps.permute(0, 3, 1, 2)).permute(0, 2, 3, 1)
         weight = deconvolution.weight.permute(2, 3, 1, 0)

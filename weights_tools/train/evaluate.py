@@ -36,10 +36,10 @@ def only(classes, annotations, path):
 
 def people_seen(annotations, images, path):
     """Writes the annotations of people, whose "occlusion" becomes all that is not seen of them: hidden or cut off."""
-    text = only(["person"], annotations, path).read_text()
-    content, people = json.loads(text), json.loads(text)["annotations"]
+    content = json.loads(only(["person"], annotations, path).read_text())
+    people = content["annotations"]
     shares, _ = visible_shares(pathlib.Path(images), {image["id"]: image for image in content["images"]}, people)
-    for annotation, share in zip(content["annotations"], shares):
+    for annotation, share in zip(people, shares):
         annotation["occlusion"] = min(max(1 - float(share), 0.0), 0.999)
     path.write_text(json.dumps(content))
     return path
@@ -87,13 +87,19 @@ def summary(numbers):
                      for kind in ("bbox", "segm") if kind in numbers)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def parser_of(text):
+    """The arguments of whatever judges weights; `text` is its description."""
+    parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("weights")
     parser.add_argument("--annotations", required=True)
     parser.add_argument("--images", required=True)
     parser.add_argument("--out", required=True)
     parser.add_argument("--penumbra", default=PENUMBRA)
+    return parser
+
+
+def main():
+    parser = parser_of(__doc__)
     parser.add_argument("--classes", default="", help="judge these alone, names separated by commas")
     parser.add_argument("--boxes", action="store_true", help="the network has no masks")
     parser.add_argument("--people-seen", action="store_true", help="also ap_people.json; needs depth_clean/")

@@ -9,7 +9,7 @@ def export(path, model, config, variant, **facts):
     spatial gets names that the engine refuses; evaluate_in_python.py judges it."""
     state = model.state_dict()
     if variant != "baseline":
-        state = fold_gains(with_both_gates(state, config.reduction), 2.0)
+        state = fold_gains(with_both_gates(state, config.reduction), 2.0, variant)
     if variant == "channel-spatial":
         state = {name.replace(".attention.", ".attention_channel_first."): value for name, value in state.items()}
     metadata = {

@@ -8,20 +8,22 @@ from model import fold_gains
 def read_state(path):
     """A state dict of train.py's checkpoint.pt, of its weights.safetensors, or torchvision's."""
     if str(path).endswith(".safetensors"):
-        state, _ = safetensors_file.load(path)
+        state, metadata = safetensors_file.load(path)
         state = {name.replace(".attention_channel_first.", ".attention."): value for name, value in state.items()}
         has_attention = any(".attention." in name for name in state)
-        return fold_gains(state, 0.5) if has_attention else state  # back to gates of 2 sigmoid
+        if has_attention:  # back to gates of 2 sigmoid
+            state = fold_gains(state, 0.5, metadata.get("attention", "spatial-channel"))
+        return state
     saved = torch.load(path, map_location="cpu")
     return saved["model"] if "optimizer" in saved else saved
 
 
 def load_initial(model, path):
     """Loads weights. The attention may be missing there: it then starts as the identity, so that the network begins
-    with the outputs of those weights; gates of zero, which export.py adds, are left out. Anything else must fit."""
+    with the outputs of those weights. Gates of zero, which export.py adds, count as missing: channel attention whose two
+    layers were both zero would have no gradient and stay so. Anything else must fit."""
     state = {name: value.float() if value.is_floating_point() else value for name, value in read_state(path).items()}
-    gates = model.state_dict()
-    state = {name: value for name, value in state.items() if name in gates or ".attention." not in name or value.any()}
+    state = {name: value for name, value in state.items() if ".attention." not in name or value.any()}
     missing, superfluous = model.load_state_dict(state, strict=False)
     missing = [name for name in missing if ".attention." not in name and not name.endswith("num_batches_tracked")]
     if missing or superfluous:

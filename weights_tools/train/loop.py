@@ -12,14 +12,17 @@ import torch
 def add_arguments(parser):
     parser.add_argument("--annotations", required=True, help="training set, COCO instances JSON")
     parser.add_argument("--images", required=True, help="folder that its file names refer to")
-    add_run_arguments(parser)
+    return add_run_arguments(parser)
 
 
 def add_run_arguments(parser):
+    """Returns the group of --seed, to which other ways of naming seeds can be added."""
     parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--stop", type=int, help="stop after this step of the schedule; run again to go on")
-    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--data-name", default="", help="what the training data is, for the weights' metadata")
+    seeds = parser.add_mutually_exclusive_group()
+    seeds.add_argument("--seed", type=int, default="1")  # as text, from which argparse tells a 1 that was given
+    return seeds
 
 
 def learning_rate(step, steps, peak):

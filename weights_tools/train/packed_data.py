@@ -4,10 +4,10 @@ A step of the training then copies bytes; it reads no JPEG or PNG, no polygon an
 first use. It holds a checksum of the annotations, of the images' sizes and times and of what was asked for, and is made
 again where that differs. It takes 4 bytes a pixel and one bit a pixel of every object's box.
 
-    8 bytes     length of the index
+    bytes       of each image RGB [H, W, 3] and class map [H, W] (0 where nothing is), then its masks' cuts as bits
     index       JSON: checksum; for each image [height, width, offset, objects], for each object
                 [label, [x1, y1, x2, y2], [row, column, rows, columns] of the mask's cut, offset]
-    bytes       of each image RGB [H, W, 3] and class map [H, W] (0 where nothing is), then its masks' cuts as bits
+    8 bytes     length of the index; it stands last, so that a file cut short has none
 """
 import hashlib
 import json
@@ -17,7 +17,7 @@ import sys
 
 import numpy as np
 
-VERSION = 1
+VERSION = 2
 
 
 def checksum(data, annotations):
@@ -42,38 +42,38 @@ def cut_out(mask):
 
 
 def write(path, data, check):
-    """Writes the packed file of `data`, a CocoData."""
-    images, offset, part = [], 0, path.with_name(f"{path.name}.{os.getpid()}.part")
-    body = part.with_name(part.name + ".body")
-    with open(body, "wb") as file:
-        for index in range(len(data)):
-            pixels, masks, boxes, labels = data.decode(index)
-            classes = np.zeros(pixels.shape[:2], np.uint8)
-            for label, mask in zip(labels, masks):
-                classes[mask != 0] = label
-            height, width = classes.shape
-            objects, chunks, at = [], [pixels.tobytes(), classes.tobytes()], offset + 4 * classes.size
-            for label, box, mask in zip(labels, boxes.tolist(), masks):
-                window, bits = cut_out(mask)
-                objects.append([label, box, window, at])
-                chunks.append(bits)
-                at += len(bits)
-            file.writelines(chunks)
-            images.append([height, width, offset, objects])
-            offset = at
-    index = json.dumps(dict(checksum=check, images=images), separators=(",", ":")).encode()
-    with open(part, "wb") as file, open(body, "rb") as source:
-        file.write(len(index).to_bytes(8, "little") + index)
-        while chunk := source.read(1 << 24):
-            file.write(chunk)
-    body.unlink()
-    os.replace(part, path)
+    """Writes the packed file of `data`, a CocoData; where that is interrupted, nothing is left behind."""
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        with open(part, "wb") as file:
+            images = [write_image(file, *data.decode(index)) for index in range(len(data))]
+            index = json.dumps(dict(checksum=check, images=images), separators=(",", ":")).encode()
+            file.write(index + len(index).to_bytes(8, "little"))
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
-def read_index(path):
-    with open(path, "rb") as file:
-        length = int.from_bytes(file.read(8), "little")
-        return json.loads(file.read(length)), 8 + length
+def write_image(file, pixels, masks, boxes, labels):
+    """Writes the bytes of an image; its entry in the index."""
+    start, classes = file.tell(), np.zeros(pixels.shape[:2], np.uint8)
+    for label, mask in zip(labels, masks):
+        classes[mask != 0] = label
+    file.write(pixels.tobytes() + classes.tobytes())
+    objects = []
+    for label, box, mask in zip(labels, boxes.tolist(), masks):
+        window, bits = cut_out(mask)
+        objects.append([label, box, window, file.tell()])
+        file.write(bits)
+    return [*classes.shape, start, objects]
+
+
+def read(path):
+    """Index and bytes of a packed file, of one mapping: another training may put a new file in its place meanwhile."""
+    content = np.memmap(path, np.uint8, "r")
+    end = len(content) - 8
+    length = int.from_bytes(content[end:].tobytes(), "little")
+    return json.loads(content[end - length:end].tobytes()), content
 
 
 class PackedData:
@@ -82,16 +82,15 @@ class PackedData:
     def __init__(self, data, annotations, path):
         check = checksum(data, annotations)
         try:
-            index, start = read_index(path)
+            index, self.bytes = read(path)
             fits = index["checksum"] == check
-        except (OSError, ValueError, KeyError, MemoryError):
+        except (OSError, ValueError, KeyError, TypeError):
             fits = False
         if not fits:
             print(f"decoding {len(data)} images once, to {path}", file=sys.stderr)
             write(path, data, check)
-            index, start = read_index(path)
-        self.images, self.instances = index["images"], data.instances
-        self.bytes = np.memmap(path, np.uint8, "r", offset=start)
+            index, self.bytes = read(path)
+        self.images = index["images"]
 
     def __len__(self):
         return len(self.images)

@@ -40,12 +40,13 @@ from packed_data import PackedData
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    loop.add_arguments(parser)
+    seeds = loop.add_arguments(parser)
+    seeds.add_argument("--seeds", type=numbers, help="several seeds, one after the other: 1-5 or 1,2,7")
     parser.add_argument("--packed", type=pathlib.Path, help="file of the decoded images; default: beside the annotations")
     parser.add_argument("--config", choices=CONFIGS, default="tiny")
-    parser.add_argument("--attention", action="store_true", help="mixed attention in the pyramid; else the baseline")
-    parser.add_argument("--variants", help="several kinds of network, one after the other: " + ",".join(VARIANTS))
-    parser.add_argument("--seeds", help="several seeds, one after the other: 1-5 or 1,2,7")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--attention", action="store_true", help="mixed attention in the pyramid; else the baseline")
+    kind.add_argument("--variants", help="several kinds of network, one after the other: " + ",".join(VARIANTS))
     parser.add_argument("--device", help="cpu or cuda; default: cuda where there is one")
     parser.add_argument("--precision", choices=("auto", "f32", "bf16"), default="auto",
                         help="of convolutions; auto: bf16 on a GPU and on processors with AMX or AVX512_BF16")
@@ -65,6 +66,18 @@ def arguments():
     return parser.parse_args()
 
 
+def numbers(text):
+    """1-3,7 as [1, 2, 3, 7]."""
+    found = []
+    for part in text.split(","):
+        first, _, last = part.partition("-")
+        span = range(int(first), int(last or first) + 1)
+        if not span:
+            raise argparse.ArgumentTypeError(f"{part} has no number in it; the smaller one stands first")
+        found += span
+    return found
+
+
 def parameter_groups(model, semantic, gate_rate, weight_decay):
     """Norms and biases do not decay; the attention has its own learning rate."""
     groups = {}
@@ -77,14 +90,14 @@ def parameter_groups(model, semantic, gate_rate, weight_decay):
 
 def has_bf16(device):
     """Whether `device` multiplies numbers of 16 bits faster than those of 32."""
-    if device.type == "cuda":
-        return torch.cuda.is_bf16_supported()
-    flags = pathlib.Path("/proc/cpuinfo")
-    words = set(flags.read_text().split()) if flags.exists() else set()
+    if device.type == "cuda":  # is_bf16_supported() would count GPUs that only emulate it
+        return bool(torch.version.hip) or torch.cuda.get_device_capability(device)[0] >= 8
+    file = pathlib.Path("/proc/cpuinfo")
+    words = set(file.read_text().split()) if file.exists() else set()
     return int(torch.__version__.split(".")[0]) >= 2 and bool(words & {"amx_bf16", "avx512_bf16"})
 
 
-def adam(groups, rate, device):
+def adam(groups, rate):
     """AdamW in one pass over each weight where PyTorch has that."""
     try:
         return torch.optim.AdamW(groups, lr=rate, fused=True)
@@ -92,17 +105,22 @@ def adam(groups, rate, device):
         return torch.optim.AdamW(groups, lr=rate)
 
 
+def packed(options):
+    """The data set, decoded once for all trainings."""
+    config = CONFIGS[options.config]
+    sides = [round(side * options.scale) for side in (config.min_size, config.max_size)]
+    data = CocoData(options.annotations, options.images, config.classes, sides=sides)
+    print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
+    return PackedData(data, options.annotations, options.packed or pathlib.Path(options.annotations).with_suffix(".packed"))
+
+
 class Training(loop.Loop):
-    def __init__(self, options):
+    def __init__(self, options, data):
         super().__init__(options, digits=4)
         self.config = CONFIGS[options.config]
         self.device = torch.device(options.device or ("cuda" if torch.cuda.is_available() else "cpu"))
         self.bf16 = options.precision == "bf16" or options.precision == "auto" and has_bf16(self.device)
         self.peak = options.learning_rate or self.config.learning_rate
-        sides = [round(side * options.scale) for side in (self.config.min_size, self.config.max_size)]
-        data = CocoData(options.annotations, options.images, self.config.classes, sides=sides)
-        print(f"{len(data)} images with {data.instances} objects", file=sys.stderr)
-        data = PackedData(data, options.annotations, options.packed or pathlib.Path(options.annotations).with_suffix(".packed"))
         self.batches = Batches(data, options.batch or self.config.batch, options.seed, options.grey)
         torch.manual_seed(options.seed)
         self.model = build(self.config, options.variant)
@@ -112,8 +130,7 @@ class Training(loop.Loop):
         self.semantic = SemanticHead(self.model.backbone.fpn, self.config.pyramid_channels, self.config.outputs)
         self.model.to(self.device, memory_format=torch.channels_last).train()
         self.semantic.to(self.device)
-        self.optimizer = adam(parameter_groups(self.model, self.semantic, options.gate_rate, options.weight_decay),
-                              self.peak, self.device)
+        self.optimizer = adam(parameter_groups(self.model, self.semantic, options.gate_rate, options.weight_decay), self.peak)
         self.detection_losses = DetectionLosses(self.model)
         self.resume()
 
@@ -154,16 +171,11 @@ class Training(loop.Loop):
         export(weights, self.model, self.config, options.variant, **facts)
         if not options.val_annotations:
             return
-        judge = evaluate_in_python if options.in_python else evaluate
-        numbers = judge.evaluate(options.penumbra, weights, options.val_annotations, options.val_images, options.out)
-        evaluate.stamp(weights, numbers)
-        print(evaluate.summary(numbers))
-
-
-def numbers(text):
-    """1-3,7 as [1, 2, 3, 7]."""
-    ranges = [part.split("-") for part in text.split(",")]
-    return [n for ends in ranges for n in range(int(ends[0]), int(ends[-1]) + 1)]
+        judged = options.penumbra, weights, options.val_annotations, options.val_images, options.out
+        in_python = options.in_python
+        report = evaluate_in_python.evaluate(*judged, options.config) if in_python else evaluate.evaluate(*judged)
+        evaluate.stamp(weights, report)
+        print(evaluate.summary(report))
 
 
 def runs(options):
@@ -173,7 +185,7 @@ def runs(options):
     unknown = set(variants) - set(VARIANTS)
     if unknown:
         raise SystemExit(f"--variants: no {', '.join(sorted(unknown))}; there are {', '.join(VARIANTS)}")
-    for seed in numbers(options.seeds) if options.seeds else [options.seed]:
+    for seed in options.seeds or [options.seed]:
         for variant in variants:
             one = copy.copy(options)
             one.seed, one.variant = seed, variant
@@ -184,9 +196,11 @@ def runs(options):
 
 
 def main():
-    for options in runs(arguments()):
-        options.out.mkdir(parents=True, exist_ok=True)
-        training = Training(options)
+    options = arguments()
+    trainings, data = list(runs(options)), packed(options)
+    for one in trainings:
+        one.out.mkdir(parents=True, exist_ok=True)
+        training = Training(one, data)
         training.run()
         training.finish()
 

@@ -27,7 +27,7 @@ import torch
 
 import loop
 import safetensors_file
-from coco_data import LUMA, CocoData
+from coco_data import LUMA, CocoData, read_rgb
 from yolov5_loss import build, losses, start
 
 # Widths and heights of the images, and how often each is drawn: in the first part of the steps and in the second.
@@ -64,10 +64,7 @@ class Samples:
         self.read = functools.lru_cache(maxsize=8000)(self.read)  # 1 MB each; decoding takes a third of a step
 
     def read(self, name):
-        image = cv2.imread(str(self.data.folder / name))
-        if image is None:
-            raise SystemExit(f"{self.data.folder / name}: no image that can be read")
-        return image
+        return read_rgb(self.data.folder / name)
 
     def view(self, entry, width, height, random):
         """A window of an image, from wider than it to half of it, so that objects are often cut off; maybe mirrored,
@@ -92,7 +89,7 @@ class Samples:
         sides = boxes[:, 2:] - boxes[:, :2]
         good = (sides.min(1) >= 4) & (np.prod(sides, 1) > 0.08 * whole)
         labels = np.array([label - 1 for label, _, _ in objects])
-        pixels = self.coloured(window[:, :, ::-1], random)
+        pixels = self.coloured(window, random)
         return pixels, np.column_stack([labels, (boxes[:, :2] + boxes[:, 2:]) / 2, sides])[good]
 
     @staticmethod
