@@ -15,6 +15,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/sources/calibration/calibration.h"
+#include "slam/sources/calibration/lens_reader.h"
 #include "slam/sources/camera_check.h"
 
 namespace penumbra::apps {
@@ -43,14 +44,11 @@ std::string field_of_view(const slam::LensCamera& lens) {
 }
 
 void print_lens(const char* name, const slam::LensCamera& lens) {
-  const bool fisheye = lens.model == slam::LensModel::equidistant;
-  fmt::print("{:<10} fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g} pixels, {}{}\n", name, lens.fx, lens.fy,
-             lens.cx, lens.cy,
-             lens.distortion.empty()      ? "no distortion"
-             : fisheye                    ? "equidistant"
-             : lens.distortion.size() > 5 ? "rational"
-                                          : "radial-tangential",
-             field_of_view(lens));
+  fmt::print(
+      "{:<10} fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g} pixels, {}{}\n", name, lens.fx, lens.fy, lens.cx,
+      lens.cy,
+      lens.distortion.empty() ? "no distortion" : slam::lens_model_name(lens.model, lens.distortion.size()),
+      field_of_view(lens));
 }
 
 void print_rig(const slam::CameraFile& camera) {

@@ -1,7 +1,5 @@
 #include "nn/image/yuv422.h"
 
-#include "nn/image/yuv.h"
-
 namespace penumbra {
 
 ByteImage grey_of_yuv422(const ByteView& pairs, Yuv422Order order) {
@@ -15,7 +13,7 @@ ByteImage grey_of_yuv422(const ByteView& pairs, Yuv422Order order) {
   return grey;
 }
 
-ByteImage bgr_of_yuv422(const ByteView& pairs, Yuv422Order order) {
+ByteImage bgr_of_yuv422(const ByteView& pairs, Yuv422Order order, const YuvRange& range) {
   ByteImage bgr(pairs.width, pairs.height, 3);
   const int luma = order == Yuv422Order::uyvy ? 1 : 0, chroma = 1 - luma;
   for (int y = 0; y < pairs.height; ++y) {
@@ -23,7 +21,7 @@ ByteImage bgr_of_yuv422(const ByteView& pairs, Yuv422Order order) {
     std::uint8_t* out = bgr.row(y);
     for (int x = 0; x + 1 < pairs.width; x += 2, in += 4) {
       for (const int pixel : {0, 1}) {
-        put_bgr(kVideoRange, in[luma + 2 * pixel], in[chroma], in[chroma + 2], out);
+        put_bgr(range, in[luma + 2 * pixel], in[chroma], in[chroma + 2], out);
         out += 3;
       }
     }

@@ -102,14 +102,15 @@ RecordedCamera camera_of(const BagIndex& index, const ChosenTopics& topics, cons
   const SaidCamera left = said(topics.left_camera, *topics.left);
   if (topics.sensor == Sensor::rgbd) return rgbd_camera(left, says_rectified(topics.left->name));
   const SaidCamera right = said(topics.second_camera, *topics.second);
+  const bool are_rectified = says_rectified(topics.left->name) && says_rectified(topics.second->name);
   if (!has_baseline(left.info, right.info)) {
     if (const auto T_right_left = fixed_transform(index.fixed, right.info.frame, left.info.frame)) {
       notes.push_back(fmt::format("the cameras do not say how far they are apart; /tf_static does: {:.4g} m",
                                   T_right_left->translation.norm()));
-      return stereo_camera_at(left, right, *T_right_left);
+      return stereo_camera_at(left, right, *T_right_left, are_rectified);
     }
   }
-  return stereo_camera(left, right, says_rectified(topics.left->name) && says_rectified(topics.second->name));
+  return stereo_camera(left, right, are_rectified);
 }
 
 void note_camera(const ChosenTopics& topics, const DatasetOptions& options, std::vector<std::string>& notes) {

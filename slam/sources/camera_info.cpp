@@ -72,6 +72,20 @@ LensCamera raw_lens(const SaidCamera& said) {
   return lens;
 }
 
+// Of rectified images P is the lens; some drivers leave it out where there is nothing to undo.
+LensCamera lens_of(const SaidCamera& said, bool name_says_rectified) {
+  const std::array<double, 12>& P = said.info.P;
+  if (!name_says_rectified || are_zeros(P)) {
+    LensCamera lens = raw_lens(said);
+    if (name_says_rectified && !lens.distortion.empty())
+      throw InputError(said.topic, "P, as the images are rectified", "zeros");
+    return lens;
+  }
+  LensCamera lens;
+  set_pinhole(P[0], P[5], P[2], P[6], Window(said), said.topic, lens);
+  return lens;
+}
+
 Eigen::Matrix3d rotation_of(const SaidCamera& said) {
   constexpr double kTolerance = 1e-4;
   const Eigen::Matrix3d R =
@@ -152,36 +166,35 @@ RecordedCamera stereo_camera(const SaidCamera& left, const SaidCamera& right, bo
   const double baseline = baseline_of(left, right);
   SE3 T_right_left = motion_of_rectified(rotation_of(left), rotation_of(right), baseline);
   T_right_left.normalize();
-  return stereo_camera_at(left, right, T_right_left);
+  return stereo_camera_at(left, right, T_right_left, false);
 }
 
 bool has_baseline(const CameraInfoMessage& left, const CameraInfoMessage& right) {
   return !are_zeros(left.P) && !are_zeros(right.P) && left.P[3] != right.P[3];
 }
 
-RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right, const SE3& T_right_left) {
+RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right, const SE3& T_right_left,
+                                bool names_say_rectified) {
   CameraFile file;
   file.rectified = false;
-  file.left = raw_lens(left);
-  file.right = raw_lens(right);
+  file.left = lens_of(left, names_say_rectified);
+  file.right = lens_of(right, names_say_rectified);
   file.T_right_left = T_right_left;
+  if (names_say_rectified) {  // which turned each camera by its R
+    const Eigen::Matrix3d R_right = rotation_of(right);
+    file.T_right_left = {R_right * T_right_left.rotation * rotation_of(left).transpose(),
+                         R_right * T_right_left.translation};
+  }
   file.place = right.topic;
   return make_camera(file);
 }
 
 RecordedCamera rgbd_camera(const SaidCamera& said, bool name_says_rectified) {
-  const std::array<double, 12>& P = said.info.P;
   CameraFile file;
   file.sensor = Sensor::rgbd;
   file.baseline = kNominalBaseline;
   file.place = said.topic;
-  if (name_says_rectified && !are_zeros(P)) {
-    set_pinhole(P[0], P[5], P[2], P[6], Window(said), said.topic, file.left);
-  } else {
-    file.left = raw_lens(said);
-    if (name_says_rectified && !file.left.distortion.empty())
-      throw InputError(said.topic, "P, as the images are rectified", "zeros");
-  }
+  file.left = lens_of(said, name_says_rectified);
   return make_camera(file);
 }
 

@@ -34,8 +34,10 @@ bool says_rectified(std::string_view image_topic);
 RecordedCamera stereo_camera(const SaidCamera& left, const SaidCamera& right, bool names_say_rectified);
 // Whether P says how far the cameras are apart.
 bool has_baseline(const CameraInfoMessage& left, const CameraInfoMessage& right);
-// The same where it does not, by K and D of each and by where the cameras stand.
-RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right, const SE3& T_right_left);
+// The same where it does not, by where the cameras stand: raw images by K and D of each, rectified ones by P,
+// and turned by R.
+RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right, const SE3& T_right_left,
+                                bool names_say_rectified);
 // The camera of the colour image, to which depth is registered; the baseline is kNominalBaseline.
 RecordedCamera rgbd_camera(const SaidCamera& said, bool name_says_rectified);
 

@@ -1,7 +1,6 @@
 #include "slam/sources/bag/pixel_encoding.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "nn/base/error.h"
 #include "nn/image/colour.h"

@@ -8,6 +8,7 @@
 #include "nn/base/file.h"
 #include "slam/sources/calibration/calibration_writer.h"
 #include "slam/sources/calibration/dialects.h"
+#include "slam/sources/calibration/lens_reader.h"
 
 namespace penumbra::slam {
 
@@ -45,13 +46,10 @@ Calibration read_pair(const std::filesystem::path& left, const std::filesystem::
 std::string lens_text(const LensCamera& lens, std::string_view indent) {
   std::string text = fmt::format("{0}fx: {1}\n{0}fy: {2}\n{0}cx: {3}\n{0}cy: {4}\n", indent, lens.fx, lens.fy,
                                  lens.cx, lens.cy);
-  const bool fisheye = lens.model == LensModel::equidistant;
   if (!lens.distortion.empty()) {
-    text += fmt::format("{0}distortion_model: {1}\n{0}distortion: [{2}]\n", indent,
-                        fisheye                       ? "equidistant"
-                        : lens.distortion.size() >= 8 ? "rational"
-                                                      : "radial-tangential",
-                        fmt::join(lens.distortion, ", "));
+    text +=
+        fmt::format("{0}distortion_model: {1}\n{0}distortion: [{2}]\n", indent,
+                    lens_model_name(lens.model, lens.distortion.size()), fmt::join(lens.distortion, ", "));
   }
   return text;
 }

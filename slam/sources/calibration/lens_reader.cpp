@@ -11,6 +11,12 @@
 
 namespace penumbra::slam {
 
+namespace {
+
+constexpr std::size_t kFewestRational = 8;  // k1 k2 p1 p2 k3 to k6
+
+}  // namespace
+
 std::string one_of(const YamlFile& yaml, std::initializer_list<std::string> keys) {
   std::string found;
   for (const std::string& key : keys) {
@@ -26,9 +32,15 @@ std::string matrix_key(const YamlFile& yaml, const std::string& key) {
   return yaml.has_value(key + ".data") ? key + ".data" : key;
 }
 
+const char* lens_model_name(LensModel model, std::size_t coefficients) {
+  if (model == LensModel::equidistant) return "equidistant";
+  return coefficients >= kFewestRational ? "rational" : "radial-tangential";
+}
+
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place) {
   std::size_t fewest = 0, most = 0;
+  bool is_rational = false;
   const std::string model = plain_word(name);
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), model) != names.end();
@@ -39,8 +51,9 @@ void set_lens_model(LensCamera& camera, std::string_view name, const std::vector
     most = 5;
   } else if (is_one_of({"rationalpolynomial", "rational"})) {
     camera.model = LensModel::radial_tangential;
-    fewest = 8;
+    fewest = kFewestRational;
     most = 14;
+    is_rational = true;
   } else if (is_one_of({"equidistant", "equi", "fisheye", "kannalabrandt", "kannalabrandt4"})) {
     camera.model = LensModel::equidistant;
     fewest = most = 4;
@@ -48,14 +61,14 @@ void set_lens_model(LensCamera& camera, std::string_view name, const std::vector
     throw InputError(place, "a distortion model: radial-tangential, rational, equidistant or none",
                      fmt::format("'{}'", printable(name, 40)));
   }
+  const std::size_t n = distortion.size();
   // The rational model's come by the piece: 8, with a thin prism 12, with a tilted sensor 14.
-  const bool in_pieces = most == 14;
-  const bool is_a_number_of_them = !in_pieces || distortion.size() % 4 == 0 || distortion.size() == most;
-  if (distortion.size() < fewest || distortion.size() > most || !is_a_number_of_them) {
+  const bool fits = is_rational ? n == 8 || n == 12 || n == 14 : n >= fewest && n <= most;
+  if (!fits) {
     throw InputError(place,
-                     in_pieces ? fmt::format("8, 12 or 14 coefficients of the model {}", name)
-                               : fmt::format("{} to {} coefficients of the model {}", fewest, most, name),
-                     fmt::format("{}", distortion.size()));
+                     is_rational ? fmt::format("8, 12 or 14 coefficients of the model {}", name)
+                                 : fmt::format("{} to {} coefficients of the model {}", fewest, most, name),
+                     fmt::format("{}", n));
   }
   camera.distortion = distortion;
 }

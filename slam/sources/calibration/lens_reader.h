@@ -26,6 +26,8 @@ LensCamera read_lens(const YamlFile& yaml, const std::string& prefix);
 // `distortion` has another number of coefficients than the model.
 void set_lens_model(LensCamera& camera, std::string_view name, const std::vector<double>& distortion,
                     const std::string& place);
+// Which of these three a lens is: radial-tangential and rational differ in the number of coefficients.
+const char* lens_model_name(LensModel model, std::size_t coefficients);
 
 // [fx, fy, cx, cy], or the camera matrix fx 0 cx, 0 fy cy, 0 0 1; width and height in pixels. Throw
 // InputError naming `place` for numbers that no camera has.

@@ -8,8 +8,6 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr std::size_t kRationalCoefficients = 8;  // at least: k1 k2 p1 p2 k3 to k6
-
 // The names that stereoCalibrate's users give its results: of OpenCV's sample, of its documentation, others.
 struct OpencvNames {
   std::initializer_list<const char*> matrix, distortion;
@@ -39,8 +37,8 @@ LensCamera read_opencv_lens(const YamlFile& yaml, const OpencvNames& names) {
   set_intrinsics(lens, yaml.numbers(matrix, 9), yaml.place(matrix));
   const std::string key = matrix_key(yaml, found_name(yaml, names.distortion));
   const std::vector<double> distortion = yaml.numbers(key);
-  set_lens_model(lens, distortion.size() >= kRationalCoefficients ? "rational" : "radial-tangential",
-                 distortion, yaml.place(key));
+  set_lens_model(lens, lens_model_name(LensModel::radial_tangential, distortion.size()), distortion,
+                 yaml.place(key));
   return lens;
 }
 

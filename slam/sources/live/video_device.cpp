@@ -37,7 +37,7 @@ std::string why_not_opened(const std::string& path, int error) {
 VideoDevice::VideoDevice(std::string path, const VideoRequest& request, VideoCalls& calls)
     : path_(std::move(path)), request_(request), calls_(calls) {
   try {
-    open();
+    format_ = open();
   } catch (...) {
     close();
     throw;
@@ -47,11 +47,12 @@ VideoDevice::VideoDevice(std::string path, const VideoRequest& request, VideoCal
 
 VideoDevice::~VideoDevice() { close(); }
 
-void VideoDevice::open() {
+VideoFormat VideoDevice::open() {
   descriptor_ = calls_.open(path_.c_str());
   if (descriptor_ < 0) throw Error(why_not_opened(path_, errno));
-  format_ = negotiate_format(calls_, descriptor_, path_, request_);
+  const VideoFormat format = negotiate_format(calls_, descriptor_, path_, request_);
   start();
+  return format;
 }
 
 void VideoDevice::start() {
@@ -101,9 +102,9 @@ void VideoDevice::lose() {
 bool VideoDevice::come_back() {
   if (Clock::now() - last_try_ < kBetweenTries) return false;
   last_try_ = Clock::now();
-  const VideoFormat before = format_;
+  VideoFormat now;
   try {
-    open();
+    now = open();
   } catch (const InputError&) {
     close();
     throw;
@@ -111,9 +112,10 @@ bool VideoDevice::come_back() {
     close();
     return false;
   }
-  if (format_.pixels != before.pixels || format_.bytes_per_line != before.bytes_per_line) {
-    throw InputError(path_, fmt::format("{} as before the camera was gone", name_of(before.pixels)),
-                     name_of(format_.pixels));
+  if (now.pixels != format_.pixels || now.bytes_per_line != format_.bytes_per_line ||
+      now.full_range != format_.full_range) {
+    throw InputError(path_, fmt::format("{} as before the camera was gone", name_of(format_.pixels)),
+                     now.pixels != format_.pixels ? name_of(now.pixels) : "other lines or another range");
   }
   return true;
 }
@@ -121,9 +123,8 @@ bool VideoDevice::come_back() {
 bool VideoDevice::is_whole(std::size_t bytes) const {
   if (format_.pixels == VideoPixels::mjpg) return bytes > 0;
   // The last line may lack what pads it.
-  const std::size_t pixel_bytes = format_.pixels == VideoPixels::grey ? 1 : 2;
   return bytes >= format_.bytes_per_line * static_cast<std::size_t>(format_.size.height - 1) +
-                      pixel_bytes * static_cast<std::size_t>(format_.size.width);
+                      bytes_per_pixel(format_.pixels) * static_cast<std::size_t>(format_.size.width);
 }
 
 bool VideoDevice::take(int milliseconds, VideoFrame& frame) {

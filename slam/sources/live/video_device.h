@@ -52,7 +52,7 @@ class VideoDevice {
     void* memory = nullptr;
     std::size_t bytes = 0;
   };
-  void open();
+  VideoFormat open();  // returns what the camera now gives
   void start();
   void close();
   void lose();

@@ -17,7 +17,6 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr double kUsualRate = 30.0;        // Hz
 constexpr double kReached = 0.9;           // share of the wanted rate
 constexpr std::uint32_t kMostListed = 64;  // formats and sizes of each: drivers have been seen that never end
 
@@ -106,7 +105,9 @@ class Negotiation {
                           (pix.field == V4L2_FIELD_NONE || pix.field == V4L2_FIELD_ANY);
     if (!as_asked) return std::nullopt;
     VideoFormat result{.pixels = known.pixels, .size = size};
-    const std::size_t pixel_bytes = known.pixels == VideoPixels::grey ? 1 : 2;
+    const std::size_t pixel_bytes = bytes_per_pixel(known.pixels);
+    // Two pixels have their colour together: at an odd width that of the last one would be beyond the line.
+    if (pixel_bytes == 2 && size.width % 2 != 0) return std::nullopt;
     if (known.pixels != VideoPixels::mjpg) {
       const std::size_t least = pixel_bytes * static_cast<std::size_t>(size.width);
       result.bytes_per_line = std::max<std::size_t>(pix.bytesperline, least);
@@ -177,7 +178,7 @@ VideoFormat negotiate_format(VideoCalls& calls, int descriptor, const std::strin
   const std::vector<std::uint32_t> offered = camera.offered();
   const bool any_size = request.size.width == 0 || request.size.height == 0;
   const Size size = any_size ? camera.current_size() : request.size;
-  const double rate = request.rate > 0.0 ? request.rate : kUsualRate;
+  const double rate = request.rate > 0.0 ? request.rate : kUsualVideoRate;
   const KnownPixels* chosen = nullptr;
   const KnownPixels* last = nullptr;
   VideoFormat best;

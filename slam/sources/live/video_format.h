@@ -22,10 +22,15 @@ namespace penumbra::slam {
 
 enum class VideoPixels { grey, yuyv, uyvy, mjpg };
 const char* name_of(VideoPixels pixels);
+constexpr std::size_t bytes_per_pixel(VideoPixels pixels) {  // none of MJPG
+  return pixels == VideoPixels::mjpg ? 0 : pixels == VideoPixels::grey ? 1 : 2;
+}
+
+inline constexpr double kUsualVideoRate = 30.0;  // Hz, where nothing else is asked for
 
 struct VideoRequest {
   Size size = {};     // of a whole frame; 0: as the camera stands
-  double rate = 0.0;  // Hz; 0: 30
+  double rate = 0.0;  // Hz; 0: kUsualVideoRate
 };
 
 struct VideoFormat {

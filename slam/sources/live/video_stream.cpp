@@ -30,12 +30,11 @@ VideoStream::VideoStream(const VideoStreamOptions& options, VideoCalls& calls) :
     if (path.empty()) continue;
     cameras_.emplace_back();
     cameras_.back().device = std::make_unique<VideoDevice>(path, request, calls);
-    cameras_.back().format = cameras_.back().device->format();
   }
-  size_ = cameras_.front().format.size;
-  double rate = options.rate > 0.0 ? options.rate : 30.0;
+  size_ = cameras_.front().device->format().size;
+  double rate = options.rate > 0.0 ? options.rate : kUsualVideoRate;
   for (const Camera& camera : cameras_) {
-    const VideoFormat& format = camera.format;
+    const VideoFormat& format = camera.device->format();
     if (format.rate > 0.0) rate = std::min(rate, format.rate);
     if (format.size != size_) {
       throw InputError(camera.device->path(),
@@ -62,7 +61,7 @@ std::string VideoStream::name() const {
 std::string VideoStream::description() const {
   std::string text;
   for (const Camera& camera : cameras_) {
-    const VideoFormat& format = camera.format;
+    const VideoFormat& format = camera.device->format();
     text += fmt::format("{}{}: {}x{} {}, {}", text.empty() ? "" : "; ", camera.device->path(),
                         format.size.width, format.size.height, name_of(format.pixels),
                         format.rate > 0.0 ? fmt::format("{:g} Hz", format.rate) : "rate not said");
@@ -118,7 +117,7 @@ void VideoStream::images(const StreamFrame& frame, bool colour, ByteImage& left,
   std::vector<ByteImage> images;
   std::span<const std::uint8_t> bytes = frame.bytes;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    const VideoFormat& format = cameras_[i].format;
+    const VideoFormat& format = cameras_[i].device->format();
     const std::string& path = cameras_[i].device->path();
     images.push_back(image_of_video(format, bytes.first(frame.parts[i]), colour, path));
     if (images.back().size() != format.size) {

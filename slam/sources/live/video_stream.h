@@ -44,8 +44,7 @@ class VideoStream final : public FrameStream {
  private:
   struct Camera {
     std::unique_ptr<VideoDevice> device;
-    VideoFormat format;  // of its frames
-    VideoFrame frame;    // the newest that was not used
+    VideoFrame frame;  // the newest that was not used
     bool has_frame = false;
   };
   bool fill(Camera& camera);
