@@ -146,10 +146,11 @@ nlohmann::ordered_json json_of(const slam::PlanScore& score) {
 
 void run_eval_dense(const EvalDenseOptions& options) {
   const std::filesystem::path run = options.run, truth = options.truth;
-  const slam::DenseCloud map = slam::read_dense_ply(run / "dense.ply");
   std::optional<slam::DenseScore> voxels;
-  if (!std::filesystem::is_directory(truth / "sequences"))  // of stereo drives the plan is judged alone
+  if (!std::filesystem::is_directory(truth / "sequences")) {  // of stereo drives the plan is judged alone
+    const slam::DenseCloud map = slam::read_dense_ply(run / "dense.ply");
     voxels = read_truth(options).score(map, place_of_map(options));
+  }
   std::optional<slam::PlanScore> plan;
   const std::optional<slam::OccupancyGrid> cells = true_plan(truth);
   if (cells && std::filesystem::exists(run / "plan.yaml"))

@@ -11,6 +11,7 @@
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
 #include "apps/common/log.h"
+#include "apps/common/run_json.h"
 #include "apps/view/loops_report.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
@@ -41,13 +42,6 @@ struct EvalLoopsOptions {
   int candidates = 3;
   bool json = false;
 };
-
-nlohmann::json read_json(const std::filesystem::path& path) {
-  const std::string text = nn::read_text_file(path, "a file that `penumbra slam` wrote");
-  nlohmann::json value = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
-  return value;
-}
 
 // A list of whole numbers.
 std::vector<int> numbers(const nlohmann::json& list, const std::string& place) {
@@ -81,7 +75,7 @@ struct Run {
 
 Run read_run(const std::filesystem::path& folder) {
   const std::filesystem::path report_path = folder / "run.json", frames_path = folder / "frames.json";
-  const nlohmann::json report = read_json(report_path), frames = read_json(frames_path);
+  const nlohmann::json report = read_run_json(report_path), frames = read_run_json(frames_path);
   const auto place = [](const std::filesystem::path& path, const char* key) {
     return fmt::format("{}, '{}'", path.string(), key);
   };

@@ -10,6 +10,7 @@
 #include "apps/fleet/plan.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/text.h"
 
 namespace penumbra::apps {
 
@@ -26,9 +27,9 @@ void make_plan(PlanOptions& options) {
   plan.folder = std::filesystem::absolute(options.manifest).parent_path();
   if (plan.program.find('/') != plan.program.npos)
     plan.program = std::filesystem::absolute(plan.program).lexically_normal().string();
-  for (const std::string& path : {plan.folder.string(), plan.program}) {
-    if (path.find_first_of("\t\n") != path.npos) throw Error(path + ": a path with a tab or a line's end");
-  }
+  const std::string folder = plan.folder.string();
+  if (folder.find_first_of("\t\n") != folder.npos)  // would end a word of jobs.tsv
+    throw InputError(printable(folder), "a path without tabs and line ends", "one with them");
   write_fleet_plan(options.out, plan);
   fmt::print("{}: {} recordings. {}/submit.sh hands them to Slurm, {}/here.sh does them here.\n", options.out,
              plan.recordings.size(), options.out, options.out);

@@ -66,30 +66,7 @@ void read_figures(const fs::path& file, FleetRow& row) {
     row.state = FleetState::stopped;
 }
 
-std::string escaped(std::string_view text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
-}
-
-// Line by line; what draws over itself, as progress does, is left out.
+// Line by line, without control characters.
 std::string printable_lines(const std::string& text) {
   std::istringstream lines(text);
   std::string shown;
@@ -186,21 +163,21 @@ std::string fleet_page(const fs::path& plan, const std::vector<FleetRow>& rows) 
   for (const FleetRow& row : rows) {
     page += fmt::format("<tr class=\"{}\">", name_of(row.state));
     std::vector<std::string> cells = cells_of(row);
-    for (std::string& cell : cells) cell = escaped(cell);
+    for (std::string& cell : cells) cell = as_markup(cell);
     if (row.state != FleetState::not_begun) cells[0] = fmt::format("<a href=\"runs/{0}/\">{0}</a>", cells[0]);
     for (const std::string& cell : cells) page += fmt::format("<td>{}</td>", cell);
     page += "</tr>";
   }
   page += "</table>";
   if (const std::string merged = text_of(plan / "merged/log.txt"); !merged.empty())
-    page += fmt::format("<h2>The merged map</h2><pre>{}</pre>", escaped(printable_lines(merged)));
+    page += fmt::format("<h2>The merged map</h2><pre>{}</pre>", as_markup(printable_lines(merged)));
   page += "<h2>The paths, each by itself</h2>";
   for (const FleetRow& row : rows) {
     if (!fs::exists(plan / "runs" / row.name / "trajectory.svg")) continue;
     page += fmt::format(
         "<figure><a href=\"runs/{0}/trajectory.svg\"><img loading=\"lazy\" src=\"runs/{0}/trajectory.svg\" "
         "alt=\"the path of {0}\"></a><figcaption>{0}</figcaption></figure>",
-        escaped(row.name));
+        as_markup(row.name));
   }
   return page + "</html>\n";
 }

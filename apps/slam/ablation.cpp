@@ -82,7 +82,7 @@ slam::SlamSettings settings_of(const AblationCell& cell) {
     depth.masks = slam::InstanceMasks::dbscan;
   }
   const bool paper = cell.masks == MaskSource::static_paper;
-  if (paper) depth.foreground.mode = slam::ForegroundMode::paper;
+  depth.foreground.mode = paper ? slam::ForegroundMode::paper : slam::ForegroundMode::adaptive;
   if (gives_back(cell.masks)) {
     settings.semantics.static_points.constraint.mode =
         paper ? slam::StaticPointMode::paper : slam::StaticPointMode::adaptive;

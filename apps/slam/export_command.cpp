@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -10,7 +11,9 @@
 #include <string>
 
 #include "apps/common/commands.h"
+#include "apps/common/run_json.h"
 #include "apps/slam/run_messages.h"
+#include "apps/view/keyframe_gallery.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/geometry/trajectory_io.h"
@@ -35,20 +38,21 @@ struct ExportOptions {
 
 namespace fs = std::filesystem;
 
-nlohmann::json read_json(const fs::path& path) {
-  nlohmann::json json = nlohmann::json::parse(nn::read_text_file(path, "a run's file"), nullptr, false);
-  if (json.is_discarded()) throw InputError(path.string(), "JSON of `penumbra slam`", "something else");
-  return json;
-}
-
 // The keyframes' pictures by their times; none where a run has none, as of streams.
 std::map<std::int64_t, fs::path> overlays_of(const fs::path& folder) {
   std::map<std::int64_t, fs::path> overlays;
-  if (!fs::is_directory(folder / "gallery") || !fs::exists(folder / "frames.json")) return overlays;
-  const nlohmann::json frames = read_json(folder / "frames.json");
-  for (std::size_t i = 0; i < frames.value("index", nlohmann::json::array()).size(); ++i) {
-    const fs::path picture = folder / "gallery" / fmt::format("{:06}.jpg", frames["index"][i].get<int>());
-    if (fs::exists(picture)) overlays[nanoseconds_of(frames["timestamp"].at(i).get<double>())] = picture;
+  const std::map<int, fs::path> pictures = gallery_pictures(folder / "gallery");
+  if (pictures.empty() || !fs::exists(folder / "frames.json")) return overlays;
+  const nlohmann::json frames = read_run_json(folder / "frames.json");
+  const auto list = [&](const char* key) {
+    const auto found = frames.find(key);
+    return found != frames.end() && found->is_array() ? *found : nlohmann::json::array();
+  };
+  const nlohmann::json numbers = list("index"), times = list("timestamp");
+  for (std::size_t i = 0; i < numbers.size() && i < times.size(); ++i) {
+    if (!numbers[i].is_number_integer() || !times[i].is_number()) continue;  // a torn file's
+    const auto picture = pictures.find(numbers[i].get<int>());
+    if (picture != pictures.end()) overlays[nanoseconds_of(times[i].get<double>())] = picture->second;
   }
   return overlays;
 }
@@ -56,15 +60,21 @@ std::map<std::int64_t, fs::path> overlays_of(const fs::path& folder) {
 // The plan of a run with --dense, and where it lies.
 std::optional<slam::OccupancyGrid> plan_of(const fs::path& folder) {
   if (!fs::exists(folder / "plan.yaml")) return std::nullopt;
-  const nlohmann::json run = read_json(folder / "run.json");
-  const auto rows = run.value("/dense/plan_from_map"_json_pointer, std::vector<std::vector<double>>());
-  if (rows.size() != 3) return std::nullopt;
+  const nlohmann::json run = read_run_json(folder / "run.json");
+  const auto place = "/dense/plan_from_map"_json_pointer;
+  if (!run.contains(place)) return std::nullopt;
+  std::array<std::array<double, 4>, 3> rows{};
+  try {
+    run.at(place).get_to(rows);
+  } catch (const nlohmann::json::exception&) {
+    throw InputError((folder / "run.json").string(), "dense.plan_from_map: three rows of four numbers",
+                     run.at(place).dump());
+  }
   slam::OccupancyGrid plan = slam::read_occupancy(folder / "plan.yaml");
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column)
-      plan.T_plan_world.rotation(row, column) =
-          rows[static_cast<std::size_t>(row)].at(static_cast<std::size_t>(column));
-    plan.T_plan_world.translation[row] = rows[static_cast<std::size_t>(row)].at(3);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const auto i = static_cast<Eigen::Index>(row);
+    plan.T_plan_world.rotation.row(i) = Eigen::Map<const Eigen::RowVector3d>(rows[row].data());
+    plan.T_plan_world.translation[i] = rows[row][3];
   }
   return plan;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <charconv>
 #include <map>
 #include <string>
 #include <system_error>
@@ -12,13 +13,21 @@
 
 namespace penumbra::apps {
 
-void clear_keyframe_gallery(const std::filesystem::path& folder) {
+std::map<int, std::filesystem::path> gallery_pictures(const std::filesystem::path& folder) {
+  std::map<int, std::filesystem::path> pictures;
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
     const std::string name = entry.path().stem().string();
-    const bool is_picture = name.size() >= 6 && name.find_first_not_of("0123456789") == name.npos;
-    if (is_picture && entry.path().extension() == ".jpg") std::filesystem::remove(entry.path());
+    int frame = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), frame);
+    const bool is_number = error == std::errc() && end == name.data() + name.size() && name[0] != '-';
+    if (name.size() >= 6 && is_number && entry.path().extension() == ".jpg") pictures[frame] = entry.path();
   }
+  return pictures;
+}
+
+void clear_keyframe_gallery(const std::filesystem::path& folder) {
+  for (const auto& [frame, picture] : gallery_pictures(folder)) std::filesystem::remove(picture);
 }
 
 void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,

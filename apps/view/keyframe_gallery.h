@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 
 #include "slam/pipeline/recorder.h"
 #include "slam/sources/stereo_dataset.h"
@@ -13,6 +14,9 @@ namespace penumbra::apps {
 // can no longer be read are left out.
 void write_keyframe_gallery(const std::filesystem::path& folder, const slam::StereoDataset& dataset,
                             const slam::Recorder& record, int most = 60);
+
+// Those that are in `folder`, which need not exist, by their frames.
+std::map<int, std::filesystem::path> gallery_pictures(const std::filesystem::path& folder);
 
 // Removes such pictures, and nothing else, from `folder`, which need not exist.
 void clear_keyframe_gallery(const std::filesystem::path& folder);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "apps/common/run_json.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/evaluation/alignment.h"
@@ -34,13 +35,6 @@ std::string base64(std::string_view bytes) {
     }
   }
   return text;
-}
-
-json read_json(const std::filesystem::path& path) {
-  const std::string text = nn::read_text_file(path, "a file that `penumbra slam` or `penumbra brain` wrote");
-  json value = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!value.is_object()) throw InputError(path.string(), "a JSON object", "something else, or a torn file");
-  return value;
 }
 
 json positions(const slam::Trajectory& trajectory) {
@@ -155,7 +149,7 @@ json dense_json(const slam::DenseCloud& cloud, std::size_t most) {
 // The nodes' places and the links of `penumbra brain`, and the picture of its place cells.
 json cognitive_json(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "cognitive_map.json", places = folder / "places.png";
-  const json map = read_json(path);
+  const json map = read_run_json(path);
   const auto refuse = [&] {
     throw InputError(path.string(), "nodes with x and y, and links with from, to and recalled", "others");
   };
@@ -188,8 +182,8 @@ nlohmann::json points_json(const std::vector<slam::PlyVertex>& vertices, std::si
 
 nlohmann::json report_data(const std::filesystem::path& folder, std::size_t most_points) {
   json data;
-  data["run"] = read_json(folder / "run.json");
-  data["frames"] = read_json(folder / "frames.json");
+  data["run"] = read_run_json(folder / "run.json");
+  data["frames"] = read_run_json(folder / "frames.json");
   const slam::Trajectory estimate = slam::read_kitti_trajectory(folder / "trajectory_kitti.txt");
   const Rows rows(data["frames"], estimate.size(), (folder / "frames.json").string());
   data["estimate"] = positions(estimate);

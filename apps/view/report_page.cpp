@@ -5,32 +5,13 @@
 
 #include "apps/view/embedded_files.h"
 #include "apps/view/report_data.h"
+#include "nn/base/text.h"
 
 namespace penumbra::apps {
 
 namespace {
 
 using nlohmann::json;
-
-std::string escaped(std::string_view text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
-}
 
 // JSON in which no "</script>" can end the element that holds it.
 std::string script_safe(const json& value) {
@@ -45,7 +26,7 @@ std::string fill_page(std::map<std::string_view, std::string> parts) {
   parts["@STYLE@"] = embedded::page_css();
   parts["@THREE@"] = embedded::three_js();
   parts["@CONTROLS@"] = embedded::orbit_controls();
-  parts["@LICENCE@"] = escaped(embedded::three_js_licence());
+  parts["@LICENCE@"] = as_markup(embedded::three_js_licence());
   parts["@SCRIPT@"] = embedded::page_js();
   parts.insert({{"@NOW@", ""}, {"@LIVE@", ""}});
   // One pass over the template: what is put in is not searched again.
@@ -70,14 +51,14 @@ std::string make_report_page(const std::filesystem::path& run_folder, std::size_
   const json data = report_data(run_folder, most_points);
   const json& name = data["run"]["dataset"];
   return fill_page(
-      {{"@TITLE@", escaped(name.is_string() ? name.get<std::string>() : run_folder.string())},
+      {{"@TITLE@", as_markup(name.is_string() ? name.get<std::string>() : run_folder.string())},
        {"@DATA@", script_safe(data)},
        {"@MAKER@",
         "Written by <code>penumbra report</code>. The page holds all it shows; it needs no network."}});
 }
 
 std::string make_live_page(const std::string& title) {
-  return fill_page({{"@TITLE@", escaped(title)},
+  return fill_page({{"@TITLE@", as_markup(title)},
                     {"@DATA@", "null"},
                     {"@NOW@", std::string(embedded::live_html())},
                     {"@LIVE@", std::string(embedded::live_js())},

@@ -42,6 +42,35 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
+std::string as_markup(std::string_view text) {
+  const bool is_text = is_utf8(text);
+  std::string markup;
+  for (const char letter : text) {
+    const char c = !is_text && static_cast<unsigned char>(letter) >= 0x80 ? '?' : letter;
+    switch (c) {
+      case '&':
+        markup += "&amp;";
+        break;
+      case '<':
+        markup += "&lt;";
+        break;
+      case '>':
+        markup += "&gt;";
+        break;
+      case '"':
+        markup += "&quot;";
+        break;
+      case '\t':
+      case '\n':
+        markup += c;
+        break;
+      default:
+        markup += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+  }
+  return markup;
+}
+
 std::string printable(std::string_view text, std::size_t longest) {
   std::string shown;
   for (std::size_t i = 0; i < text.size();) {

@@ -7,6 +7,7 @@
 
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "nn/base/text.h"
 #include "nn/image/image_file.h"
 
 namespace penumbra::slam {
@@ -15,45 +16,6 @@ namespace {
 
 std::string hex(const Bgr& colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", colour[2], colour[1], colour[0]);
-}
-
-// Whether each byte of 0x80 and above belongs to a character of UTF-8.
-bool is_utf8(std::string_view text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    int more = 0;  // bytes that go on
-    if (byte >= 0x80) more = byte >= 0xF0 ? 3 : byte >= 0xE0 ? 2 : 1;
-    if ((byte >= 0x80 && byte < 0xC2) || byte > 0xF4) return false;
-    for (; more > 0; --more) {
-      if (++i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) return false;
-    }
-  }
-  return true;
-}
-
-std::string escaped(std::string_view text) {
-  const bool is_text = is_utf8(text);
-  std::string out;
-  for (const char letter : text) {
-    const char c = !is_text && static_cast<unsigned char>(letter) >= 0x80 ? '?' : letter;
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    }
-  }
-  return out;
 }
 
 template <class... Visitors>
@@ -118,7 +80,7 @@ std::string PlotCanvas::svg() const {
                        "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.3g}\"{} text-anchor=\"{}\" "
                        "fill=\"{}\">{}</text>\n",
                        s.position.x, s.position.y, s.height / kSizeOfCapital,
-                       s.bold ? " font-weight=\"bold\"" : "", anchor, hex(s.colour), escaped(s.text));
+                       s.bold ? " font-weight=\"bold\"" : "", anchor, hex(s.colour), as_markup(s.text));
       }};
   for (const auto& shape : shapes_) std::visit(write, shape);
   return out + "</svg>\n";

@@ -41,14 +41,13 @@ recording() {
   local -a words
   IFS=$'\t' read -r name job < <(sed -n "${1}p" "${2:-jobs.tsv}")
   [[ -n $name ]] || { echo "step.sh: ${2:-jobs.tsv} has no line $1" >&2; exit 2; }
-  if is_done "$name" "$job"; then echo "$name: done before"; return; fi
   IFS=$'\t' read -r folder arguments <<<"$job"
   mkdir -p "runs/$name" || exit 1
   # Held by penumbra, too, as long as it runs: two must not write one folder. A lost node's is let go after a while.
   exec 9>"runs/$name/lock"
   flock -w 300 -E 99 9
   (($? != 99)) || { echo "$name: is at work elsewhere" >&2; exit 1; }
-  if is_done "$name" "$job"; then echo "$name: done meanwhile"; return; fi
+  if is_done "$name" "$job"; then echo "$name: done before"; return; fi
   rm -f "runs/$name/done" && cd "$folder" || exit 1
   eval "words=($arguments)" # quoted by `penumbra fleet plan`
   run "$here/runs/$name/log.txt" "$penumbra" slam "${words[@]}" --out "$here/runs/$name" \

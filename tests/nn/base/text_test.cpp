@@ -16,6 +16,12 @@ TEST(Text, WellFormedUtf8IsRecognised) {
   EXPECT_FALSE(is_utf8("\xF4\x90\x80\x80"));  // above U+10FFFF
 }
 
+TEST(Text, MarkupHoldsAnyText) {
+  EXPECT_EQ(as_markup("a < b && \"c\" > 'd'\n\t"), "a &lt; b &amp;&amp; &quot;c&quot; &gt; 'd'\n\t");
+  EXPECT_EQ(as_markup("\xC3\xA4\x1b["), "\xC3\xA4 [");
+  EXPECT_EQ(as_markup("\xC3\xA4\xFF<"), "???&lt;");
+}
+
 TEST(Text, WhatCouldHarmATerminalIsEscaped) {
   EXPECT_EQ(printable("a\x1b[31mb\n"), "a\\x1b[31mb\\x0a");
   EXPECT_EQ(printable("\xC3\xA4\xFF"), "\xC3\xA4\\xff");
