@@ -4,7 +4,8 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace penumbra::slam {
 
@@ -53,10 +54,14 @@ BlockCholesky::BlockCholesky(const std::vector<std::vector<int>>& columns)
   const std::size_t n = columns.size();
   std::vector<int> at(n);  // per pose, its column
   for (std::size_t j = 0; j < n; ++j) at[static_cast<std::size_t>(order_[j])] = static_cast<int>(j);
+  // Column and row of L's block for a pair of poses.
+  const auto block_of = [&](std::size_t a, int b) {
+    return std::minmax(at[a], at[static_cast<std::size_t>(b)]);
+  };
   std::vector<std::vector<int>> rows(n);
   for (std::size_t a = 0; a < n; ++a) {
     for (const int b : columns[a]) {
-      const auto [j, i] = std::minmax(at[a], at[static_cast<std::size_t>(b)]);
+      const auto [j, i] = block_of(a, b);
       rows[static_cast<std::size_t>(j)].push_back(i);
     }
   }
@@ -73,25 +78,24 @@ BlockCholesky::BlockCholesky(const std::vector<std::vector<int>>& columns)
   for (std::size_t i = 0; i < n; ++i) in_row[i + 1] += in_row[i];
   row_begin_ = in_row;
   row_blocks_.resize(row_begin_.back());
-  row_columns_.resize(row_begin_.back());
+  row_ends_.resize(row_begin_.back());
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t block = begin_[k] + 1; block < begin_[k + 1]; ++block) {
       const std::size_t slot = in_row[static_cast<std::size_t>(rows_[block])]++;
       row_blocks_[slot] = block;
-      row_columns_[slot] = static_cast<int>(k);
+      row_ends_[slot] = begin_[k + 1];
     }
   }
 
   for (std::size_t a = 0; a < n; ++a) {
     for (const int b : columns[a]) {
-      const int column_a = at[a], column_b = at[static_cast<std::size_t>(b)];
-      const auto j = static_cast<std::size_t>(std::min(column_a, column_b));
-      const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(begin_[j]);
-      const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
-      place_.push_back(static_cast<std::size_t>(std::lower_bound(begin, end, std::max(column_a, column_b)) -
-                                                rows_.begin()));
+      const auto [j, i] = block_of(a, b);
+      const auto column = begin_.begin() + j;
+      const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(column[0]);
+      const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(column[1]);
+      place_.push_back(static_cast<std::size_t>(std::lower_bound(begin, end, i) - rows_.begin()));
       // (a, b) is L's block of row b, column a where a comes first: transposed.
-      transposed_.push_back(column_a < column_b);
+      transposed_.push_back(at[a] < i);
     }
   }
 }
@@ -109,9 +113,8 @@ bool BlockCholesky::factorise(const std::vector<Matrix6d>& blocks, bool with_avx
     for (std::size_t block = begin_[j]; block < begin_[j + 1]; ++block)
       place[static_cast<std::size_t>(rows_[block])] = block;
     for (std::size_t slot = row_begin_[j]; slot < row_begin_[j + 1]; ++slot) {
-      const std::size_t block = row_blocks_[slot];
-      const std::size_t end = begin_[static_cast<std::size_t>(row_columns_[slot]) + 1];
-      subtract_outer(factor_.data(), block, end, rows_.data(), place.data(), with_avx);
+      subtract_outer(factor_.data(), row_blocks_[slot], row_ends_[slot], rows_.data(), place.data(),
+                     with_avx);
     }
     Matrix6d& pivot = factor_[begin_[j]];
     // The upper triangle alone: of the blocks that were given nobody looks below the diagonal.

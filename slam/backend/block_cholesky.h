@@ -44,10 +44,10 @@ class BlockCholesky {
   // Where the given blocks belong: per block of S, and whether it has to be transposed for it.
   std::vector<std::size_t> place_;
   std::vector<char> transposed_;
-  // Per row j, the blocks (j, k) with k < j: by which columns it is changed.
+  // Per row j, the blocks (j, k) with k < j, from which on column k changes column j; and the end of column k.
   std::vector<std::size_t> row_begin_;
   std::vector<std::size_t> row_blocks_;
-  std::vector<int> row_columns_;
+  std::vector<std::size_t> row_ends_;
 };
 
 }  // namespace penumbra::slam

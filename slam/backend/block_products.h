@@ -13,6 +13,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "slam/geometry/se3.h"
+
 namespace penumbra::slam {
 
 // A matrix of 6 x 6 blocks, column by column.
@@ -35,7 +37,7 @@ void subtract_products(const DenseBlocks& blocks, int a, const Eigen::Matrix<dou
 
 // Subtracts factor[b] factor[first]^T from factor[place[rows[b]]] for every b from `first` to `end`, 6 x 6
 // blocks column by column. None of those that are changed is among those that are read.
-void subtract_outer(Eigen::Matrix<double, 6, 6>* factor, std::size_t first, std::size_t end, const int* rows,
-                    const std::size_t* place, bool with_avx = has_avx());
+void subtract_outer(Matrix6d* factor, std::size_t first, std::size_t end, const int* rows,
+                    const std::size_t* place, bool with_avx);
 
 }  // namespace penumbra::slam

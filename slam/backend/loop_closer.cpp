@@ -6,7 +6,7 @@
 #include <set>
 #include <shared_mutex>
 
-#include "slam/backend/camera_centre.h"
+#include "slam/geometry/se3.h"
 
 namespace penumbra::slam {
 

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "slam/backend/camera_centre.h"
+#include "slam/geometry/se3.h"
 
 namespace penumbra::slam {
 

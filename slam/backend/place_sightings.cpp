@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "slam/backend/camera_centre.h"
+#include "slam/geometry/se3.h"
 
 namespace penumbra::slam {
 

@@ -150,8 +150,7 @@ int triangulate_with_neighbours(KeyFrame* keyframe, Map& map, const PointCreatio
   int created = 0, searched = 0;
   for (const Covisible& c : std::vector<Covisible>(keyframe->covisibles)) {
     if (searched++ >= settings.neighbours) break;
-    const Eigen::Vector3d between =
-        keyframe->T_cw.inverse().translation - c.keyframe->T_cw.inverse().translation;
+    const Eigen::Vector3d between = camera_centre(keyframe->T_cw) - camera_centre(c.keyframe->T_cw);
     if (between.norm() < map.camera().baseline) continue;  // stereo sees more parallax than this pair
     PairSearch search(map.camera(), *keyframe, *c.keyframe, map.scales(), settings.nearest_depth);
     for (int i = 0; i < keyframe->features->size(); ++i) {

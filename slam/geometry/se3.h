@@ -45,6 +45,9 @@ struct SE3 {
   bool is_finite() const { return rotation.allFinite() && translation.allFinite(); }
 };
 
+// Where a camera is: C with T_cw C = 0, in the world.
+inline Eigen::Vector3d camera_centre(const SE3& T_cw) { return T_cw.inverse().translation; }
+
 // Ad(T), which carries a small motion through T:  T exp(xi) T^-1 = exp(Ad(T) xi);  [ R  [t]x R ; 0  R ].
 Matrix6d adjoint(const SE3& T);
 

@@ -187,7 +187,7 @@ void Map::update_view(MapPoint* point) const {
   if (point->erased || point->observations.empty()) return;
   point->normal.setZero();
   for (const Observation& o : point->observations) {
-    point->normal += (point->position - o.keyframe->T_cw.inverse().translation).normalized();
+    point->normal += (point->position - camera_centre(o.keyframe->T_cw)).normalized();
   }
   point->normal.normalize();
   const Observation& first = point->observations.front();

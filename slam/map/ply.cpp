@@ -43,7 +43,7 @@ PointCloud point_cloud_of(const Map& map) {
     }
   }
   for (const KeyFrame* keyframe : map.keyframes()) {
-    cloud.vertices.push_back(vertex(keyframe->T_cw.inverse().translation, {0, 0, 255}));
+    cloud.vertices.push_back(vertex(camera_centre(keyframe->T_cw), {0, 0, 255}));
     ++cloud.keyframes;
   }
   return cloud;

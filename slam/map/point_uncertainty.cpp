@@ -13,7 +13,7 @@ double relative_distance_uncertainty(const MapPoint& point, const StereoCamera& 
   double distance = kUnknown;
   Eigen::Vector3d ray = Eigen::Vector3d::Zero();  // world
   for (const Observation& o : point.observations) {
-    const Eigen::Vector3d from_camera = point.position - o.keyframe->T_cw.inverse().translation;
+    const Eigen::Vector3d from_camera = point.position - camera_centre(o.keyframe->T_cw);
     if (from_camera.norm() >= distance) continue;
     distance = from_camera.norm();
     ray = from_camera / distance;

@@ -94,7 +94,6 @@ bool DenseMapper::add(const StereoCamera& camera, const StereoImages& images, co
     const auto scope = timer_.measure("stereo_depth");
     view = stereo_.make(camera, images);
   }
-  step_ = has_depth ? settings_.step : settings_.stereo.shrink;
   kept_.push_back({result.index, result.place, std::move(view)});
   return true;
 }
@@ -103,7 +102,7 @@ bool DenseMapper::add(const StereoCamera& camera, const StereoImages& images, co
 // keyframe from others count, and what the segmenter saw in it.
 void DenseMapper::label(Kept& kept, const Recorder& record, const ClassNumbers& numbers) const {
   const auto label_mask = [&](const Rect& region, const ByteImage& mask, std::uint8_t label) {
-    set_label(kept.view, step_, region, mask, label, label == kMoves ? settings_.grow : 0);
+    set_label(kept.view, region, mask, label, label == kMoves ? settings_.grow : 0);
   };
   kept.view.label.fill(0);
   std::vector<Rect> parked;
@@ -137,10 +136,10 @@ void DenseMapper::mark_displaced(const Recorder& record, const std::vector<Posed
       for (const Instance& thing : seen->second) things.push_back({i, thing.region, &thing.mask});
     }
   }
-  const std::vector<char> displaced = find_displaced(things, step_, views, settings_.fusion);
+  const std::vector<char> displaced = find_displaced(things, views, settings_.fusion);
   for (std::size_t i = 0; i < things.size(); ++i) {
     const auto& [view, region, mask] = things[i];
-    if (displaced[i]) set_label(kept_[view].view, step_, region, *mask, kMoves, settings_.grow);
+    if (displaced[i]) set_label(kept_[view].view, region, *mask, kMoves, settings_.grow);
   }
 }
 
@@ -171,7 +170,7 @@ DenseMap DenseMapper::build(const Recorder& record) {
     const std::shared_lock lock(map.mutex());
     for (Kept& kept : kept_) {
       // What the whole map has told of the pair since.
-      correct_disparity_offset(kept.view, map.camera().disparity_offset / step_);
+      correct_disparity_offset(kept.view, map.camera().disparity_offset / kept.view.step);
       views.push_back({&kept.view, kept.place.T_cw().inverse()});
       bytes += kept.view.bytes();
     }

@@ -65,7 +65,6 @@ class DenseMapper {
   const DenseSettings settings_;
   StereoViewMaker stereo_;
   StageTimer timer_;
-  int step_ = 1;  // pixels of the images to one of the views
   std::vector<Kept> kept_;
   SE3 last_T_wc_;  // of the last that is kept, as it was located then
   double last_time_ = 0.0;

@@ -20,12 +20,14 @@ void set_where_0(T& number, T value) {
 }
 
 void derive_rgbd(DenseSettings& s) {
-  set_where_0(s.plan.cell, 0.05);
-  set_where_0(s.plan.lowest, 0.1);
-  set_where_0(s.fusion.voxel, 0.01);
-  set_where_0(s.fusion.depth_noise, 0.0014);
-  set_where_0(s.fusion.farthest, 5.0);
-  set_where_0(s.fusion.fewest_views, 1);
+  const OccupancySettings plan;
+  const FusionSettings fusion;
+  set_where_0(s.plan.cell, plan.cell);
+  set_where_0(s.plan.lowest, plan.lowest);
+  set_where_0(s.fusion.voxel, fusion.voxel);
+  set_where_0(s.fusion.depth_noise, fusion.depth_noise);
+  set_where_0(s.fusion.farthest, fusion.farthest);
+  set_where_0(s.fusion.fewest_views, fusion.fewest_views);
   set_where_0(s.least_metres, 0.05);
 }
 

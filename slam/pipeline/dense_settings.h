@@ -1,12 +1,15 @@
 // Settings of the dense map (dense_mapper.h).
 //
-// Where a number is 0 it follows from the sensor (with_derived). Of an RGB-D camera it is what suits a room;
-// of a stereo camera it follows from the plan's cell and from how deep the pair sees:
+// Where a number is 0 it follows from the sensor (with_derived). Of an RGB-D camera it is what suits a room,
+// the defaults of FusionSettings and OccupancySettings, and 0.05 m as least_metres; of a stereo camera it
+// follows from the plan's cell and from how deep the pair sees:
 //
 //   cell          0.4 baselines, as 1, 2 or 5 times a power of ten: KITTI's camera 0.2 m, EuRoC's 0.05 m
 //   voxel         cell / 2
-//   depth_noise   disparity_noise stereo.shrink / (fx b): sigma(z) = depth_noise z^2
+//   depth_noise   stereo.noise stereo.shrink / (fx b): sigma(z) = depth_noise z^2
 //   farthest      where sigma(z) is two cells
+//   fewest_views  2
+//   least_metres  a cell
 //   lowest        1.5 cells, and at least 0.1 m: what is lower is floor, as far as the noise lets one tell
 #pragma once
 

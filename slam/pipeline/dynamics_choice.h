@@ -13,7 +13,8 @@
 
 namespace penumbra::slam {
 
-// Sets how masks are made, and whether points are given back; false, and nothing, for another name.
+// Sets how masks are made, and whether points are given back: with static-points as `settings` says already,
+// or by the paper's letter. False, and nothing, for another name.
 bool choose_dynamics(std::string_view name, SemanticsSettings& settings);
 
 // Whether an object's class decides if it moves, where nobody says otherwise (InstanceTrackerSettings).

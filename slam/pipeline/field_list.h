@@ -28,6 +28,11 @@ class FieldList {
   void number(const char* name, Number& value, const char* unit, double least, double most) {
     fields_.push_back({prefix_ + name, unit, &value, least, most});
   }
+  // 0, which stands for what follows from the sensor, or a number from `least` on.
+  template <class Number>
+  void by_sensor(const char* name, Number& value, const char* unit, double least, double most) {
+    fields_.push_back({prefix_ + name, unit, &value, least, most, /*or_zero=*/true});
+  }
   void count(const char* name, int& value, const char* unit, double least = 0.0) {
     number(name, value, unit, least, kMany);
   }

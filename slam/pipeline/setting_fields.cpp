@@ -89,7 +89,8 @@ void add(FieldList f, TrackerSettings& s, RigidMoverSettings& rigid_mover) {
   f.count("fewest_covered_points", s.fewest_covered_points, "stereo points");
   FieldList keyframes = f.group("keyframes");
   keyframes.share("least_similarity", s.keyframes.least_similarity);
-  keyframes.number("least_close_share", s.keyframes.least_close_share, "share; 0: by the sensor", 0.0, 1.0);
+  keyframes.by_sensor("least_close_share", s.keyframes.least_close_share, "share; 0: by the sensor", 0.0,
+                      1.0);
   keyframes.number("longest_gap_seconds", s.keyframes.longest_gap_seconds, "seconds", 0.0, 1e9);
   f.metres("motion_change_metres", s.motion_change_metres);
   f.number("motion_change_radians", s.motion_change_radians, "radians", 0.0, 3.15);
@@ -156,18 +157,18 @@ void add(FieldList f, LoopCloserSettings& s) {
 }
 
 void add(FieldList f, DenseSettings& s) {
-  f.number("voxel", s.fusion.voxel, "metres; 0: by the sensor", 0.0, 10.0);
-  f.number("depth_noise", s.fusion.depth_noise, "sigma / z^2, 1/metres; 0: by the sensor", 0.0, 1.0);
+  f.by_sensor("voxel", s.fusion.voxel, "metres; 0: by the sensor", 0.001, 10.0);
+  f.by_sensor("depth_noise", s.fusion.depth_noise, "sigma / z^2, 1/metres; 0: by the sensor", 1e-6, 1.0);
   f.number("seen_through", s.fusion.seen_through, "views through for each on a voxel", 0.0, 1e4);
-  f.count("fewest_views", s.fusion.fewest_views, "views; 0: by the sensor");
+  f.by_sensor("fewest_views", s.fusion.fewest_views, "views; 0: by the sensor", 1.0, kMany);
   f.number("step", s.step, "pixels", 1.0, 64.0);
-  f.metres("farthest", s.fusion.farthest);
-  f.metres("least_metres", s.least_metres);
+  f.by_sensor("farthest", s.fusion.farthest, "metres; 0: by the sensor", 0.001, 1e4);
+  f.by_sensor("least_metres", s.least_metres, "metres; 0: by the sensor", 0.001, 1e4);
   f.number("least_degrees", s.least_degrees, "degrees", 0.0, 360.0);
   f.number("grow", s.grow, "pixels", 0.0, 64.0);
   FieldList plan = f.group("plan");
-  plan.number("cell", s.plan.cell, "metres; 0: by the sensor", 0.0, 100.0);
-  plan.number("lowest", s.plan.lowest, "metres above the floor; 0: by the sensor", 0.0, 100.0);
+  plan.by_sensor("cell", s.plan.cell, "metres; 0: by the sensor", 0.001, 100.0);
+  plan.by_sensor("lowest", s.plan.lowest, "metres above the floor; 0: by the sensor", 0.001, 100.0);
   plan.number("highest", s.plan.highest, "metres above the floor", -10.0, 100.0);
   plan.count("fewest_voxels", s.plan.fewest_voxels, "voxels", 1.0);
   FieldList stereo = f.group("stereo");
@@ -218,7 +219,8 @@ void check_settings(const SlamSettings& settings, const std::string& place) {
         },
         field.value);
     const bool is_number = field.most > field.least;
-    if (is_number && !(value >= field.least && value <= field.most)) {
+    const bool is_allowed = (value >= field.least && value <= field.most) || (field.or_zero && value == 0.0);
+    if (is_number && !is_allowed) {
       throw InputError(
           fmt::format("{}, {}", place, field.name),
           fmt::format("{:g} to {:g}{}{}", field.least, field.most, *field.unit ? " " : "", field.unit),

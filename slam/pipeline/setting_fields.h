@@ -20,6 +20,7 @@ struct SettingField {
                RepairMode*, ClusterMode*, ForegroundMode*, StaticPointMode*>
       value;
   double least = 0.0, most = 0.0;  // of numbers
+  bool or_zero = false;            // 0 is allowed beside them
 };
 
 // All fields of `settings`, which must outlive them, in the order of SlamSettings. Left out is what

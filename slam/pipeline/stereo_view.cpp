@@ -48,7 +48,9 @@ DenseView StereoViewMaker::make(const StereoCamera& camera, const StereoImages& 
   std::transform(disparity.data(), disparity.data() + disparity.elements(), depth_.data(),
                  [&](float d) { return d > 0.0F && d > offset ? depth_1 / (d - offset) : 0.0F; });
   // A floor that lies low has steps of its own from row to row.
-  return make_dense_view(small, left, depth_, 1, {.units = units_, .least_jump = 1.0F / depth_1});
+  DenseView view = make_dense_view(small, left, depth_, 1, {.units = units_, .least_jump = 1.0F / depth_1});
+  view.step = shrink_;
+  return view;
 }
 
 }  // namespace penumbra::slam

@@ -1,8 +1,10 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "nn/image/image_file.h"
 #include "slam/map/dense/cloud_files.h"
 #include "slam/map/dense/occupancy_grid.h"
 #include "slam/sources/bag/message_source.h"
@@ -111,15 +113,12 @@ TEST_F(DenseRun, MapsAStreetFromPairsOfImages) {
   const std::string mcap = folder() + "/street.mcap";
   ASSERT_EQ(test::run_penumbra(fmt::format("export '{}_run' --mcap '{}'", street, mcap)).exit_code, 0);
   const auto source = slam::open_bag(mcap);
-  const slam::OccupancyGrid plan = slam::read_occupancy(street + "_run/plan.yaml");
-  std::string cells;  // from the lower left corner on
-  for (int y = plan.cells.height() - 1; y >= 0; --y) {
-    for (int x = 0; x < plan.cells.width(); ++x) {
-      const std::uint8_t kind = plan.cells.at(x, y);
-      cells += static_cast<char>(kind == slam::OccupancyGrid::kFree      ? 0
-                                 : kind == slam::OccupancyGrid::kBlocked ? 100
-                                                                         : -1);
-    }
+  const ByteImage plan = nn::read_image(street + "_run/plan.pgm", nn::ImageColour::grey);
+  // ROS: white is free, black blocked, grey unknown; rows from the lower left corner on.
+  const std::map<std::uint8_t, char> cell_of = {{254, 0}, {0, 100}, {205, -1}};
+  std::string cells;
+  for (int y = plan.height() - 1; y >= 0; --y) {
+    for (int x = 0; x < plan.width(); ++x) cells += cell_of.at(plan.at(x, y));
   }
   int plans = 0;
   source->read_all([&](const slam::Message& message) {

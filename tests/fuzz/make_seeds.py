@@ -407,6 +407,19 @@ def cognitive_map_files():
     yield "bad_yaw", file(two, [], yaw=float("nan"))
 
 
+def plan_files():
+    good = ("image: plan.pgm\nmode: trinary\nresolution: 0.05\norigin: [-1.5, 2, 0.0]\nnegate: 0\n"
+            "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
+    for name, old, new in (("valid_own", "", ""), ("valid_by_hand", "plan.pgm", '"a plan.png" # drawn'),
+                           ("valid_windows_line_ends", "\n", "\r\n"), ("bad_no_image", "plan.pgm", ""),
+                           ("bad_escape_in_name", "plan.pgm", "\x1b[2J.pgm"), ("bad_no_negate", "negate", "negative"),
+                           ("bad_resolution", "0.05", "0"), ("bad_small_resolution", "0.05", "1e-9"),
+                           ("bad_junk_after_number", "0.05", "0.05abc"), ("bad_nan", "0.65", "nan"),
+                           ("bad_far_origin", "-1.5", "1e300"), ("bad_turned", "2, 0.0", "2, 1.5"),
+                           ("bad_four_numbers", "0.0]", "0.0, 9]"), ("bad_open_list", "0.0]", "0.0")):
+        yield name, good.replace(old, new).encode()
+
+
 def odometry_files():
     yield "valid_spaces", b"# time v omega\n0.0 1.0 0.1\n0.5 1.0 0.1\n"
     yield "valid_nanoseconds", b"#t,v,w\n1403636579763555584,1,0\n1403636579863555584,1,0\n"
@@ -588,7 +601,7 @@ def write_all(out):
              "frame_range": frame_ranges, "coco_annotations": coco_annotation_files,
              "coco_results": coco_result_files, "map_file": map_files, "cognitive_map": cognitive_map_files,
              "odometry_file": odometry_files,
-             "camera_file": camera_files, "image_list": image_lists, "euroc_ground_truth": euroc_ground_truths,
+             "plan_file": plan_files, "camera_file": camera_files, "image_list": image_lists, "euroc_ground_truth": euroc_ground_truths,
              "recording": recordings, "message": messages}
     for target, make in seeds.items():
         folder = out / target

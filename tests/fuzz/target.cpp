@@ -27,6 +27,7 @@ constexpr std::array kTargets = {
     Target{"map_file", read_map_file},
     Target{"cognitive_map", read_cognitive_map_file},
     Target{"odometry_file", read_odometry_file},
+    Target{"plan_file", read_plan_file},
     Target{"camera_file", read_camera_file},
     Target{"image_list", read_image_list},
     Target{"euroc_ground_truth", read_euroc_ground_truth},

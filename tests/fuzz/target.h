@@ -67,6 +67,7 @@ bool read_coco_results(std::string_view bytes);
 bool read_map_file(std::string_view bytes);
 bool read_cognitive_map_file(std::string_view bytes);
 bool read_odometry_file(std::string_view bytes);
+bool read_plan_file(std::string_view bytes);
 bool read_camera_file(std::string_view bytes);
 bool read_image_list(std::string_view bytes);
 bool read_euroc_ground_truth(std::string_view bytes);

@@ -1,6 +1,6 @@
 // Which depths in a person's box are the person's, from those of the feature points (adaptive DBSCAN).
 //
-// Mode `paper` (Xu et al., "clusters of depth; eps and minPts adapt to the data", which leaves open how):
+// Mode `paper`, the default (Xu et al., "clusters of depth; eps and minPts adapt to the data", which leaves open how):
 // minPts = ln n, eps at the knee of the sorted distances to the minPts-th nearest depth; the cluster with the
 // lowest mean depth is the person, all else is background. Mode `adaptive`, which leaves less of people
 // (docs/dynamics/static-points.md):
@@ -24,7 +24,7 @@ namespace penumbra::slam {
 enum class ForegroundMode { paper, adaptive };
 
 struct ForegroundSettings {
-  ForegroundMode mode = ForegroundMode::adaptive;
+  ForegroundMode mode = ForegroundMode::paper;
   double eps = 0.06;        // of the depth; of `adaptive`
   double ring_share = 0.3;  // of the box's sides
   int fewest = 8;           // depths in the box, below which they say nothing

@@ -4,7 +4,7 @@
 //
 // (dx, dy) go through the 5 x 5 pixels around it row by row, without the middle, the first one at the highest
 // bit; beyond the border the outermost pixel counts. What the bits say does not change with a camera's gain
-// and exposure. Cost: 24 comparisons a pixel, 0.3 ms for 310 x 94.
+// and exposure. Cost: 24 comparisons a pixel, of both images 6 % of dense_disparity.h's.
 //
 // Source: Zabih, Woodfill, Non-parametric local transforms for computing visual correspondence (ECCV 1994).
 #pragma once

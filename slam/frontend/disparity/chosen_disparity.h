@@ -10,7 +10,7 @@
 //   - the right pixel that it leads to has another one: argmin_d S(x + d, y, d) differs by more than `agree`,
 //   - d is 0 or the largest: there is no cost beyond it, and the true one may lie there.
 //
-// Cost: 1 ms for 310 x 94 x 32.
+// Cost: 14 % of dense_disparity.h's.
 //
 // Source: Hirschmueller 2008, section II-C; Haller, Nedevschi, Design of interpolation functions for
 // subpixel-accuracy stereo-vision systems (TIP 2012).

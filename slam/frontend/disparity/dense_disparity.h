@@ -3,8 +3,9 @@
 //   census_transform -> matching_cost -> PathPass (down, up) -> choose_disparities -> SpeckleFilter
 //
 // Each step's header has its formula. Deterministic: the same bits on any number of threads. After the first
-// pair of a size memory is only allocated for rows. Cost: 5 ms on two cores for 310 x 94 pixels and 32
-// disparities, 5 bytes a pixel and disparity.
+// pair of a size memory is only allocated for rows. Cost: 3.5 ms on one thread for 310 x 94 pixels and 32
+// disparities (docs/benchmarks.md), of which the steps' headers say their shares; 5 bytes a pixel and
+// disparity.
 #pragma once
 
 #include "slam/frontend/disparity/chosen_disparity.h"

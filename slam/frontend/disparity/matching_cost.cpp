@@ -1,6 +1,7 @@
 #include "slam/frontend/disparity/matching_cost.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "nn/base/parallel.h"
 

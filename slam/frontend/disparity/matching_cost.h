@@ -3,11 +3,10 @@
 //   C(x, y, d) = number of bits in which the census of left (x, y) and of right (x - d, y) differ
 //
 // 0 to 24; all 24 where x - d is left of the right image. Cost: 15 operations a pixel and disparity, which
-// the compiler does on vectors along d: 1 ms for 310 x 94 x 32.
+// the compiler does on vectors along d: 13 % of dense_disparity.h's.
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "slam/frontend/disparity/census.h"
 #include "slam/frontend/disparity/disparity_volume.h"

@@ -7,7 +7,9 @@ namespace penumbra::slam {
 
 namespace {
 
-constexpr int kBorder = 8;             // numbers before the first disparity and behind the last
+// Numbers before the first disparity and behind the last, where d - 1 and d + 1 are read. One would do; eight
+// of them, 16 bytes, leave the L of every place aligned to vectors.
+constexpr int kBorder = 8;
 constexpr std::int16_t kFar = 0x3FFF;  // above any L + P1
 constexpr int kDirections = 4;         // from the row before: behind, straight, ahead; and in the row itself
 

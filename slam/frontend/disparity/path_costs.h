@@ -7,9 +7,9 @@
 //
 // L_r = C where p - r is outside. P1 is for slopes, P2 for edges. Eight directions in two passes, one from
 // the upper left to the lower right (from the left, and from the three pixels above), one back; they do not
-// depend on each other and may run at the same time. Each pass keeps the L of one row. Numbers stay below
-// 4 (24 + P2). Cost: 8 operations a pixel, disparity and direction, on vectors along d: 2 ms a pass for
-// 310 x 94 x 32.
+// depend on each other and may run at the same time. Each pass keeps the L of two rows. Numbers stay below
+// 4 (24 + P2). Cost: 8 operations a pixel, disparity and direction, on vectors along d: of both passes 63 %
+// of dense_disparity.h's.
 //
 // Source: Hirschmueller, Stereo processing by semiglobal matching and mutual information (PAMI 2008), eq. 13.
 #pragma once
@@ -35,7 +35,7 @@ class PathPass {
            DisparityVolume<std::int16_t>& sum);
 
  private:
-  std::vector<std::int16_t> paths_;  // L of two rows and three directions, and of two pixels of the row
+  std::vector<std::int16_t> paths_;  // L of two rows, the one before and the one at hand, in four directions
   std::vector<std::int16_t> least_;  // min_k of each
 };
 

@@ -1,6 +1,6 @@
 // Removes small pieces of a disparity image: pixels that hang together, each within `step` of its neighbour,
 // and are fewer than `fewest`. Wrong matches come in such pieces. Neighbours are above, below and beside.
-// Cost: 10 ns a pixel.
+// Cost: 4 % of dense_disparity.h's.
 #pragma once
 
 #include <cstdint>

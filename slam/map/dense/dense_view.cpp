@@ -32,6 +32,7 @@ DenseView make_dense_view(const StereoCamera& camera, const ByteImage& image, co
   const int width = ceil_div(depth.width(), step), height = ceil_div(depth.height(), step);
   DenseView view;
   view.camera = camera;
+  view.step = step;
   view.depth_units = coding.units;
   view.camera.fx /= step;
   view.camera.fy /= step;
@@ -98,10 +99,9 @@ FloatImage nearest_depths(const DenseView& view) {
   return nearest;
 }
 
-void set_label(DenseView& view, int step, const Rect& region, const ByteImage& mask, std::uint8_t label,
-               int grow) {
+void set_label(DenseView& view, const Rect& region, const ByteImage& mask, std::uint8_t label, int grow) {
   if (mask.empty() || region.width <= 0 || region.height <= 0) return;
-  const int reach = ceil_div(grow, step);
+  const int step = view.step, reach = ceil_div(grow, step);
   const auto on_mask = [&](int column, int row) {  // of the small image
     const int x = column * step - region.x, y = row * step - region.y;
     if (x < 0 || y < 0 || x >= region.width || y >= region.height) return false;

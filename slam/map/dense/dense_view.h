@@ -20,6 +20,7 @@ struct DenseView {
   WordImage depth;      // depth_units a metre; 0: none
   ByteImage colour;     // blue, green, red
   ByteImage label;      // class, or kMoves
+  int step = 1;         // pixels of the image to one of the view
   float depth_units = kDepthUnits;
 
   static constexpr float kDepthUnits = 5000.0F;  // of what is seen up to 13 m away
@@ -56,7 +57,6 @@ FloatImage nearest_depths(const DenseView& view);  // of all its pixels
 // Gives the pixels of a mask (255 = object), `region` in pixels of the whole image and the mask of any size
 // stretched over it, the label `label`; `grow` is how far around the mask, in pixels of the whole image, it
 // reaches.
-void set_label(DenseView& view, int step, const Rect& region, const ByteImage& mask, std::uint8_t label,
-               int grow);
+void set_label(DenseView& view, const Rect& region, const ByteImage& mask, std::uint8_t label, int grow);
 
 }  // namespace penumbra::slam

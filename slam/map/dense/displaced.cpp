@@ -18,9 +18,10 @@ constexpr int kMostPlaces = 400;        // of a thing
 constexpr double kNearest = 0.1;        // metres before a camera
 
 // Where its pixels are in the world.
-std::vector<Eigen::Vector3d> places_of(const PosedView& from, int step, const Rect& region,
-                                       const ByteImage& mask, double farthest) {
+std::vector<Eigen::Vector3d> places_of(const PosedView& from, const Rect& region, const ByteImage& mask,
+                                       double farthest) {
   const DenseView& view = *from.view;
+  const int step = view.step;
   std::vector<Eigen::Vector3d> places;
   const int apart = std::max(1, static_cast<int>(std::sqrt(region.area() / kMostPlaces)) / step) * step;
   for (int v = region.y; v < region.y + region.height; v += apart) {
@@ -100,11 +101,11 @@ struct Question {
   std::vector<Verdict> verdicts;   // theirs
 };
 
-Question question_about(const ShownThing& thing, int step, std::span<const PosedView> views,
+Question question_about(const ShownThing& thing, std::span<const PosedView> views,
                         const FusionSettings& settings) {
   Question question;
   if (thing.mask->empty() || thing.region.empty()) return question;
-  question.places = places_of(views[thing.view], step, thing.region, *thing.mask, settings.farthest);
+  question.places = places_of(views[thing.view], thing.region, *thing.mask, settings.farthest);
   if (std::ssize(question.places) < kFewestTold) return question;
   const Extent extent(question.places);
   std::vector<std::size_t>& asked = question.asked;
@@ -129,15 +130,15 @@ bool is_displaced(const Question& question) {
 
 }  // namespace
 
-std::vector<char> find_displaced(std::span<const ShownThing> things, int step,
-                                 std::span<const PosedView> views, const FusionSettings& settings) {
+std::vector<char> find_displaced(std::span<const ShownThing> things, std::span<const PosedView> views,
+                                 const FusionSettings& settings) {
   struct Place {
     std::size_t question, at;  // in its list of views
   };
   std::vector<Question> questions;
   std::vector<std::vector<Place>> of_view(views.size());
   for (const ShownThing& thing : things) {
-    questions.push_back(question_about(thing, step, views, settings));
+    questions.push_back(question_about(thing, views, settings));
     const std::vector<std::size_t>& asked = questions.back().asked;
     for (std::size_t at = 0; at < asked.size(); ++at)
       of_view[asked[at]].push_back({questions.size() - 1, at});

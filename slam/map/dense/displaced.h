@@ -32,8 +32,8 @@ struct ShownThing {
   const ByteImage* mask = nullptr;
 };
 
-// 1 for each thing that is elsewhere in other views. `step`: of the views.
-std::vector<char> find_displaced(std::span<const ShownThing> things, int step,
-                                 std::span<const PosedView> views, const FusionSettings& settings);
+// 1 for each thing that is elsewhere in other views.
+std::vector<char> find_displaced(std::span<const ShownThing> things, std::span<const PosedView> views,
+                                 const FusionSettings& settings);
 
 }  // namespace penumbra::slam

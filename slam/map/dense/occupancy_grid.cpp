@@ -4,14 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <locale>
-#include <sstream>
 
-#include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "slam/map/dense/plan_file.h"
 
 namespace penumbra::slam {
 
@@ -33,39 +30,6 @@ void close_gaps(ByteImage& cells) {
       if (free >= kMostNeighbours) cells.at(x, y) = OccupancyGrid::kFree;
     }
   }
-}
-
-// The value of a line "key: value", without what stands around it.
-std::string value_of(const std::filesystem::path& path, const std::string& text, const std::string& key) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    std::string line = text.substr(at, end - at);
-    at = end + 1;
-    if (!line.starts_with(key + ":")) continue;
-    line = line.substr(key.size() + 1, line.find(" #") - key.size() - 1);
-    const char* const around = " \t\r\"'";
-    const std::size_t first = line.find_first_not_of(around);
-    return first == std::string::npos ? "" : line.substr(first, line.find_last_not_of(around) - first + 1);
-  }
-  throw InputError(path.string(), fmt::format("a line '{}: ...' as map_server's files have", key), "none");
-}
-
-// As many numbers as are asked for, whatever stands between them: [0, 0, 0].
-template <std::size_t kNumbers>
-std::array<double, kNumbers> numbers_of(const std::filesystem::path& path, const std::string& text,
-                                        const std::string& key) {
-  const std::string value = value_of(path, text, key);
-  std::string plain = value;
-  std::replace_if(
-      plain.begin(), plain.end(), [](char c) { return c == '[' || c == ']' || c == ','; }, ' ');
-  std::istringstream words(plain);
-  words.imbue(std::locale::classic());
-  std::array<double, kNumbers> numbers{};
-  for (double& number : numbers) {
-    if (words >> number && std::isfinite(number)) continue;
-    throw InputError(path.string(), fmt::format("{} numbers after '{}:'", kNumbers, key), value);
-  }
-  return numbers;
 }
 
 }  // namespace
@@ -138,24 +102,17 @@ void write_occupancy(const std::filesystem::path& path, const OccupancyGrid& gri
 }
 
 OccupancyGrid read_occupancy(const std::filesystem::path& yaml) {
-  const std::string text = nn::read_text_file(yaml, "a map_server's YAML file");
+  const PlanFile file = read_plan_file(yaml);
   OccupancyGrid grid;
-  grid.cell = numbers_of<1>(yaml, text, "resolution")[0];
-  if (!(grid.cell > 0.0)) throw InputError(yaml.string(), "a resolution above 0", fmt::to_string(grid.cell));
-  const auto [x, y, turn] = numbers_of<3>(yaml, text, "origin");
-  if (turn != 0.0) throw InputError(yaml.string(), "a plan that is not turned", fmt::format("{} rad", turn));
-  grid.origin = {x, y};
-  const bool negate = numbers_of<1>(yaml, text, "negate")[0] != 0.0;
-  const double occupied = numbers_of<1>(yaml, text, "occupied_thresh")[0];
-  const double free = numbers_of<1>(yaml, text, "free_thresh")[0];
-  const ByteImage image =
-      nn::read_image(yaml.parent_path() / value_of(yaml, text, "image"), nn::ImageColour::grey);
+  grid.cell = file.cell;
+  grid.origin = file.origin;
+  const ByteImage image = nn::read_image(yaml.parent_path() / file.image, nn::ImageColour::grey);
   grid.cells.create(image.width(), image.height());
   std::transform(image.data(), image.data() + image.elements(), grid.cells.data(), [&](std::uint8_t level) {
-    const double occupancy = (negate ? level : 255 - level) / 255.0;
-    return occupancy > occupied ? OccupancyGrid::kBlocked
-           : occupancy < free   ? OccupancyGrid::kFree
-                                : OccupancyGrid::kUnknown;
+    const double occupancy = (file.negate ? level : 255 - level) / 255.0;
+    return occupancy > file.occupied ? OccupancyGrid::kBlocked
+           : occupancy < file.free   ? OccupancyGrid::kFree
+                                     : OccupancyGrid::kUnknown;
   });
   return grid;
 }

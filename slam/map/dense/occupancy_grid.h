@@ -46,9 +46,8 @@ SE3 plan_from_world(const FloorPlane& floor, const SE3& first_camera);
 // Writes `path` with the endings .pgm and .yaml. Throws Error where that fails.
 void write_occupancy(const std::filesystem::path& path, const OccupancyGrid& grid);
 
-// Reads a map_server's YAML file and its image: of Penumbra, nav2_map_saver, or drawn by hand; T_plan_world
-// stays the identity. A pixel's occupancy is (255 - level) / 255, or level / 255 with `negate`. Throws
-// InputError for a file that is missing or not of that kind, and for a plan that is turned (origin's third).
+// Reads a map_server's YAML file (plan_file.h) and its image: of Penumbra, nav2_map_saver, or drawn by hand;
+// T_plan_world stays the identity. Throws InputError as read_plan_file() and nn::read_image() do.
 OccupancyGrid read_occupancy(const std::filesystem::path& yaml);
 
 }  // namespace penumbra::slam

@@ -1,8 +1,9 @@
-// The readers of saved maps, and of the odometry that a cognitive map is made with.
+// The readers of saved maps and plans, and of the odometry that a cognitive map is made with.
 #include <cmath>
 
 #include "slam/brain/map/map_file.h"
 #include "slam/brain/motion/odometry_file.h"
+#include "slam/map/dense/plan_file.h"
 #include "slam/map/map_file.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/repair.h"
@@ -70,6 +71,19 @@ bool read_odometry_file(std::string_view bytes) {
       require(std::isfinite(sample.speed) && std::isfinite(sample.turn_rate), "motion is finite");
       last = sample.time;
     }
+  });
+}
+
+// Without the image that it names, which may be anywhere.
+bool read_plan_file(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  return is_read([&] {
+    using slam::PlanFile;
+    const PlanFile plan = slam::read_plan_file(file.path());
+    require(plan.cell >= PlanFile::kLeastCell && plan.cell <= PlanFile::kMostCell, "cells have a size");
+    require(plan.origin.cwiseAbs().maxCoeff() <= PlanFile::kFarthestOrigin, "origins are near");
+    require(std::isfinite(plan.occupied) && std::isfinite(plan.free), "thresholds are finite");
+    require(!plan.image.empty(), "images have names");
   });
 }
 

@@ -65,6 +65,11 @@ TEST_F(SettingsFile, SlipsAreNamed) {
   expect_refused(R"({"tracker": {"search_radios": 12}})",
                  {"mine.json, tracker", "search_radios", "tracker.search_radius"});
   expect_refused(R"({"tracker": {"search_radius": -1}})", {"tracker.search_radius", "0 to 10000", "-1"});
+  expect_refused(R"({"dense": {"voxel": 1e-9}})", {"dense.voxel", "0.001 to 10 metres; 0: by the sensor"});
+  expect_refused(R"({"dense": {"depth_noise": 1e-9}})", {"dense.depth_noise", "1e-06 to 1"});
+  expect_refused(R"({"dense": {"plan": {"cell": 1e-9}}})", {"dense.plan.cell", "0.001 to 100"});
+  expect_refused(R"({"dense": {"plan": {"lowest": -0.5}}})", {"dense.plan.lowest", "0.001 to 100"});
+  EXPECT_NO_THROW(read(R"({"dense": {"voxel": 0, "farthest": 0, "plan": {"cell": 0.001}}})"));
   expect_refused(R"({"tracker": {"search_radius": "10"}})",
                  {"tracker.search_radius", "a number, pixels", "10"});
   expect_refused(R"({"tracker": {"local_keyframes": 2.5}})", {"a whole number, keyframes", "2.5"});

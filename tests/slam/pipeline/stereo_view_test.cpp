@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/base/quantile.h"
 #include "slam/world/street_sequence.h"
 
 namespace penumbra::slam {
@@ -33,8 +34,7 @@ class StereoView : public testing::Test {
       }
     }
     EXPECT_GT(ratios.size(), 3000U);
-    std::nth_element(ratios.begin(), ratios.begin() + std::ssize(ratios) / 2, ratios.end());
-    return ratios[ratios.size() / 2];
+    return quantile_of(ratios, 0.5);
   }
 
   synthetic::SequenceFrame frame_;

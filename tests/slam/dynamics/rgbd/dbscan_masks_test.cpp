@@ -94,7 +94,9 @@ TEST(DbscanMasks, ADeskBeforeThePersonIsNotThePerson) {
   }
   const auto features = features_of(depth, 1500);
   const ByteImage image = ByteImage::filled(kImageWidth, kImageHeight, 100);
-  const Instance ours = masks_by_dbscan(one_box(kPersonBox), 0.5, {})({0, image, depth, features})[0];
+  ForegroundSettings adaptive;
+  adaptive.mode = ForegroundMode::adaptive;
+  const Instance ours = masks_by_dbscan(one_box(kPersonBox), 0.5, adaptive)({0, image, depth, features})[0];
   EXPECT_TRUE(ours.contains(140, 100));
   EXPECT_FALSE(ours.contains(140, 180));
   ForegroundSettings letter;
@@ -107,8 +109,10 @@ TEST(DbscanMasks, ADeskBeforeThePersonIsNotThePerson) {
 TEST(DbscanMasks, WhereDepthSaysNothingTheBoxIsTheMask) {
   const FloatImage depth = room(), empty = FloatImage::filled(kImageWidth, kImageHeight, 0.0F);
   const ByteImage image = ByteImage::filled(kImageWidth, kImageHeight, 100);
+  ForegroundSettings adaptive;
+  adaptive.mode = ForegroundMode::adaptive;
   const auto whole = [&](const ImageToSegment& from) {
-    const std::vector<Instance> found = masks_by_dbscan(one_box({-20, 40, 100, 100}), 0.5, {})(from);
+    const std::vector<Instance> found = masks_by_dbscan(one_box({-20, 40, 100, 100}), 0.5, adaptive)(from);
     return found.size() == 1 && found[0].region == Rect{0, 40, 80, 100} &&
            count_pixels(found[0].mask) == 80 * 100;
   };

@@ -16,7 +16,7 @@ const Rect kPillar{58, 0, 44, 90};
 bool is_displaced(const RoomViews& views) {
   const ByteImage mask = ByteImage::filled(22, 45, 255);
   const ShownThing things[] = {{0, kPillar, &mask}};
-  return find_displaced(things, 1, views.posed(), {}).front() != 0;
+  return find_displaced(things, views.posed(), {}).front() != 0;
 }
 
 TEST(Displaced, IsWhatOtherViewsContradict) {
@@ -71,8 +71,8 @@ TEST(Displaced, JudgesEachThingOnItsOwn) {
   const ShownThing things[] = {
       {0, kPillar, &mask}, {3, kPillar, &mask}, {0, {}, &none}, {1, {0, 0, 30, 40}, &mask}};
   // The pillar, the wall behind it (which two views hide), nothing, and the wall beside it.
-  EXPECT_EQ(find_displaced(things, 1, views.posed(), {}), (std::vector<char>{1, 0, 0, 0}));
-  EXPECT_TRUE(find_displaced({}, 1, views.posed(), {}).empty());
+  EXPECT_EQ(find_displaced(things, views.posed(), {}), (std::vector<char>{1, 0, 0, 0}));
+  EXPECT_TRUE(find_displaced({}, views.posed(), {}).empty());
 }
 
 }  // namespace

@@ -81,16 +81,16 @@ TEST(Fusion, LeavesOutWhatMoves) {
   views.add(at(0.0), true);
   // The pillar's mask, given at half its size: columns within 0.2 m of the middle at 1.5 m.
   const Rect region{58, 0, 44, 120};
-  set_label(views.kept.front(), 1, region, ByteImage::filled(22, 60, 255), kMoves, 2);
+  set_label(views.kept.front(), region, ByteImage::filled(22, 60, 255), kMoves, 2);
   const VoxelGrid grid = fuse(views.posed(), {.voxel = 0.02});
   for (const Voxel& voxel : grid.voxels()) EXPECT_LT(off_surface(voxel), 0.003);
   EXPECT_EQ(views.kept.front().label.at(56, 60), kMoves);
   EXPECT_EQ(views.kept.front().label.at(55, 60), 0);
   // A region that reaches over the border, and one without a mask.
-  set_label(views.kept.front(), 1, {-20, -20, 400, 400}, ByteImage::filled(3, 3, 255), 4, 0);
+  set_label(views.kept.front(), {-20, -20, 400, 400}, ByteImage::filled(3, 3, 255), 4, 0);
   EXPECT_EQ(views.kept.front().label.at(0, 0), 4);
   EXPECT_EQ(views.kept.front().label.at(80, 60), kMoves);
-  set_label(views.kept.front(), 1, {0, 0, 10, 10}, {}, kMoves, 3);
+  set_label(views.kept.front(), {0, 0, 10, 10}, {}, kMoves, 3);
   EXPECT_EQ(views.kept.front().label.at(0, 0), 4);
 }
 
@@ -206,6 +206,18 @@ TEST(OccupancyGrid, ReadsPlansOfOthers) {
   expect_error<InputError>([&] { read("image: map.png\nresolution: 0\n"); }, {"a resolution above 0"});
   expect_error<InputError>([&] { read("image: map.png\nresolution: wide\n"); }, {"1 numbers", "wide"});
   expect_error<InputError>([&] { read("resolution: 1\norigin: [0, 0, 1.5]\n"); }, {"not turned", "1.5 rad"});
+  const auto refuses = [&](const std::string& text, std::initializer_list<std::string> parts) {
+    expect_error<InputError>([&] { read(text); }, parts);
+  };
+  refuses("\nresolution: 0.05abc\n", {"map.yaml:2", "1 numbers", "0.05abc"});
+  refuses("resolution: 0.05 1\n", {"map.yaml:1", "1 numbers", "0.05 1"});
+  refuses("resolution: [0.05]\n", {"map.yaml:1", "1 numbers", "[0.05]"});
+  refuses("resolution: 1e-9\n", {"map.yaml:1", "0.001 to 100", "1e-09"});
+  refuses("resolution: 101\n", {"0.001 to 100", "101"});
+  refuses("resolution: 1\norigin: [0, 0, 0, 9]\n", {"map.yaml:2", "3 numbers", "[0, 0, 0, 9]"});
+  refuses("resolution: 1\norigin: [0, 0\n", {"map.yaml:2", "3 numbers"});
+  refuses("resolution: 1\norigin: [0, -2e6, 0]\n", {"map.yaml:2", "1000000 metres", "-2000000"});
+  refuses("image:\n" + lines.substr(lines.find("resolution")) + "negate: 0\n", {"map.yaml:1", "image"});
 }
 
 TEST(OccupancyGrid, OfNothingIsUnknown) {
