@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
 #include <utility>
 
 #include "nn/base/counter_random.h"
@@ -111,11 +112,13 @@ ConvLayer::ConvLayer(const ConvShape& shape, nn::Precision precision)
 
 void ConvLayer::run() {
   const nn::Arena::Pass pass(arena_, this, shape_.height, shape_.width);
-  // As in the network: the sum takes the residual's place.
-  if (shape_.residual) {
+  // As in the network: the sum takes the residual's place. On a tile unit it never does: it has memory of the
+  // pass, which it must not outlive.
+  const bool in_place = shape_.residual && conv_.algorithm() != std::string_view("tiles");
+  if (in_place) {
     residual_ = conv_.onto(std::move(residual_), input_, arena_, 0, conv_.input_numbers());
   } else {
-    conv_(input_, arena_, 0, nullptr, conv_.input_numbers());
+    conv_(input_, arena_, 0, shape_.residual ? &residual_ : nullptr, conv_.input_numbers());
   }
 }
 

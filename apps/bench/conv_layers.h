@@ -21,7 +21,8 @@ std::vector<ConvShape> network_shapes(int height, int width);
 // Nine of them, which other engines are compared on: the three of a bottleneck in stages 2, 3 and 4.
 std::vector<ConvShape> compared_shapes(int height, int width);
 
-// A layer with its input and output: on a tile unit in the layer's numbers, else f32.
+// A layer with its input and output in the numbers that it reads best: on a tile unit its own, bf16 of
+// Winograd's on AVX-512, else f32.
 class ConvLayer {
  public:
   ConvLayer(const ConvShape& shape, nn::Precision precision);

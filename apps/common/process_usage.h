@@ -1,4 +1,4 @@
-// What the process has used so far.
+// What the process, or the children that it has waited for, have used so far.
 #pragma once
 
 #include <sys/resource.h>
@@ -10,9 +10,10 @@ struct ProcessUsage {
   double peak_rss_mb = 0.0;  // largest resident memory, MiB
 };
 
-inline ProcessUsage process_usage() {
+// `who` is RUSAGE_SELF or RUSAGE_CHILDREN: of these all seconds, and the memory of the largest.
+inline ProcessUsage process_usage(int who = RUSAGE_SELF) {
   rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
+  getrusage(who, &usage);
   const auto seconds = [](const timeval& t) {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };

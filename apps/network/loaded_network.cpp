@@ -1,7 +1,5 @@
 #include "apps/network/loaded_network.h"
 
-#include <malloc.h>
-
 #include "nn/models/class_names.h"
 
 namespace penumbra::apps {
@@ -11,7 +9,6 @@ LoadedNetwork network_of(const nn::StateDict& weights, const std::filesystem::pa
   LoadedNetwork loaded;
   loaded.source = source.string();
   loaded.network = nn::make_network(weights, config);
-  malloc_trim(0);  // what tensors took on their way goes back to the system
   loaded.names =
       nn::class_names(weights, loaded.network->classes(), classes, loaded.network->has_background());
   return loaded;

@@ -15,11 +15,13 @@ float score_of(RankKey key) {
 }  // namespace
 
 void BestScores::leave_best() {
-  RankKey* const end = keys_.begin() + count_;
-  std::nth_element(keys_.begin(), end, keys_.end());
+  least_ = std::numeric_limits<float>::infinity();
+  if (count_ > 0) {
+    RankKey* const last = keys_.begin() + count_ - 1;
+    std::nth_element(keys_.begin(), last, keys_.end());
+    least_ = score_of(*last);
+  }
   keys_.resize(count_);
-  least_ = count_ == 0 ? std::numeric_limits<float>::infinity()
-                       : score_of(*std::max_element(keys_.begin(), keys_.end()));
 }
 
 std::span<const RankKey> BestScores::sorted() {

@@ -10,7 +10,7 @@
 // Cost: a comparison a score, and some more for those above the K-th best so far, which is found anew
 // (std::nth_element) whenever there are more than 2 K. In random order about K log(N / K) of N scores are
 // above it; in rising order all are, and take part in two selections each. Sorting: K log K.
-// reference/regions.cpp has the oracle.
+// sorted_of in tests/nn/layers/best_scores_test.cpp is the oracle.
 #pragma once
 
 #include <bit>

@@ -1,6 +1,6 @@
 #include "nn/layers/conv2d.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
@@ -91,8 +91,11 @@ FeatureMap Conv2d::run(const FeatureMap& input, const FeatureMap* residual, cons
                      fmt::format("{} x {} with padding {}", input.height(), input.width(), options_.padding));
   }
   if (residual != nullptr && !on_tiles_ && winograd_.empty() && residual->numbers() != Numbers{}) {
-    const FeatureMap wide = in_numbers(*residual, {}, arena);
-    return run(input, &wide, {arena, call.prepared, call.output_border, call.output_numbers, call.last});
+    FeatureMap wide = in_numbers(*residual, {}, arena);
+    Call on_wide = call;
+    on_wide.under = &wide;
+    if (call.under != nullptr) call.under->give_back();
+    return run(input, &wide, on_wide);
   }
 
   observe(input, options_.format);

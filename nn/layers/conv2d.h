@@ -60,7 +60,8 @@ class Conv2d {
   // The last reader of `input`: where its values are converted first, the map gives its memory back.
   FeatureMap operator()(FeatureMap&& input, Arena& arena, int output_border = 0,
                         const FeatureMap* residual = nullptr, const Numbers& output_numbers = {}) const;
-  // The last reader of the residual, whose memory the output takes where it is laid out alike.
+  // The last reader of the residual, whose memory the output takes where it is laid out alike; not on a tile
+  // unit, nor in narrow groups, nor where the output is one pixel an image.
   FeatureMap onto(FeatureMap residual, const FeatureMap& input, Arena& arena, int output_border = 0,
                   const Numbers& output_numbers = {}) const;
   // And of the input.

@@ -1,6 +1,4 @@
 // How conv2d.h's layers are set up: which method they take, and their weights in its order.
-#include <algorithm>
-
 #include "nn/base/ceil_div.h"
 #include "nn/base/error.h"
 #include "nn/base/half.h"

@@ -1,5 +1,6 @@
-// Maps of narrow numbers, bf16 or 8 bits, between layers on a tile unit: from one kind of numbers to another,
-// images for the first layer, and the sum of the feature pyramid.
+// Maps of narrow numbers between layers, on a tile unit bf16 or 8 bits, on AVX-512 the bf16 that Winograd's
+// layers read and write: from one kind of numbers to another, images for the first layer of a tile unit, and
+// the sum of the feature pyramid. Error where there are no such kernels (line_kernels of tile_unit.h).
 //
 //   in_numbers:         y = x, rounded to the new numbers                    shapes and border are kept
 //   split_image:        four channels x become eight: h = bf16(x), and x - h, rounded to bf16

@@ -30,18 +30,12 @@ void add(const Box& box, BoxLanes& lanes) {
   lanes.area[lane] = box.area();
 }
 
-// Whether the IoU with one of them is above the threshold: iou() of box.h, lane by lane.
+// Whether the IoU with one of them is above the threshold.
 bool overlaps(const BoxLanes& lanes, const Box& box, float threshold) {
-  const float area = box.area();
-  float ious[kBoxLanes];
-  for (int l = 0; l < kBoxLanes; ++l) {
-    const float width = std::max(std::min(lanes.x2[l], box.x2) - std::max(lanes.x1[l], box.x1), 0.0F);
-    const float height = std::max(std::min(lanes.y2[l], box.y2) - std::max(lanes.y1[l], box.y1), 0.0F);
-    const float intersection = width * height;
-    const float all = lanes.area[l] + area - intersection;
-    ious[l] = all > 0.0F ? intersection / all : 0.0F;
+  for (int l = 0; l < lanes.count; ++l) {
+    if (iou({lanes.x1[l], lanes.y1[l], lanes.x2[l], lanes.y2[l]}, box) > threshold) return true;
   }
-  return std::any_of(ious, ious + lanes.count, [=](float iou) { return iou > threshold; });
+  return false;
 }
 
 // The same for all boxes of a group, whose last ones are lanes[last].

@@ -2,7 +2,7 @@
 //
 // In order of falling score (equal scores: lower index first), a box is kept unless its IoU with a kept box
 // of the same group is above the threshold. Groups are classes in the box head and levels in the RPN. Cost:
-// O(kept x candidates) overlaps. Source: torchvision.ops.batched_nms; reference/nms.cpp is the oracle.
+// O(kept x candidates) overlaps. Source: torchvision.ops.batched_nms; reference/regions.cpp is the oracle.
 #pragma once
 
 #include <span>

@@ -48,8 +48,9 @@ int roi_level(const Box& box, int levels);
 FeatureMap roi_align(const FeatureMap& map, float scale, std::span<const Box> regions,
                      RoiAlignOptions options, Arena& arena, int output_border = 0, int capacity = 0);
 
-// Every region from the level that roi_level picks; on a tile unit in any numbers, which all levels share.
-// Throws InputError where there is no level or size or sampling make no sense.
+// Every region from the level that roi_level picks. Where there are kernels for narrow maps (line_kernels of
+// tile_unit.h: on a tile unit, and on AVX-512 with bf16), levels and output may be in any numbers, the levels
+// all in the same. Throws InputError where there is no level or size or sampling make no sense.
 FeatureMap multi_scale_roi_align(std::span<const PyramidLevel> levels, std::span<const Box> regions,
                                  RoiAlignOptions options, Arena& arena, int output_border = 0,
                                  int capacity = 0, const Numbers& output_numbers = {});

@@ -21,7 +21,7 @@ constexpr int kOut = kWinogradOutput, kIn = kWinogradInput;
 constexpr std::size_t kOwnBlockFloats = 256 * 1024;
 // And those of a block that all threads share, in the L3 cache, for each byte of a weight: the smaller these
 // are, the fewer tiles pay for reading them.
-constexpr std::size_t kSharedBlockFloats = 2 * 1024 * 1024 / sizeof(float);
+constexpr std::size_t kSharedFloatsPerWeightByte = 2 * 1024 * 1024 / sizeof(float);
 // With more channels than this the weights of all positions pass L2; blocks are shared then, so that each
 // weight serves more tiles.
 constexpr int kMostOwnChannels = 128;
@@ -120,7 +120,7 @@ void Winograd::operator()(const FeatureMap& input, int padding, Activation activ
   const int own = tiles_in(kOwnBlockFloats);
   const bool alone =
       std::max(input_blocks_, output_blocks_) * kBlock <= kMostOwnChannels && most_tiles >= 2 * threads * own;
-  work.block_tiles = std::min(alone ? own : tiles_in(kSharedBlockFloats * weight_bytes),
+  work.block_tiles = std::min(alone ? own : tiles_in(kSharedFloatsPerWeightByte * weight_bytes),
                               std::max(ceil_div(most_tiles, step), 1) * step);
 
   // The 16 floats between positions keep these from sharing one set of the cache.

@@ -43,9 +43,9 @@ class FeaturePyramid {
   // In what C5 is best stored, which nothing else reads.
   Numbers input_numbers() const { return levels_.back().lateral.input_numbers(); }
 
-  // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them, on a tile unit in
-  // the numbers of `output_numbers`, else in f32. Gives a stage's memory back when its lateral convolution
-  // has read it.
+  // C2..C5 to P2..P6, each with a border of 1 for the 3 x 3 convolutions that read them, in `output_numbers`
+  // where these layers can store them (conv2d.h: on a tile unit, and bf16 of Winograd's on AVX-512), else in
+  // f32. Gives a stage's memory back when its lateral convolution has read it.
   std::array<FeatureMap, kPyramidLevels> operator()(std::array<FeatureMap, 4> stages, Arena& arena,
                                                     const Numbers& output_numbers = {}) const;
 

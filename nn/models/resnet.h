@@ -53,8 +53,9 @@ class ResNet {
   // Of the convolutions, for an image of height x width pixels, multiples of 32.
   double multiply_adds(int height, int width) const;
 
-  // `image` is [1, 3, H, W] in blocks of 4, and given back when the stem has read it; returns C2..C5: on a
-  // tile unit as the next stage reads them, C5 in the numbers of `last`, else in f32.
+  // `image` is [1, 3, H, W] in blocks of 4, and given back when the stem has read it; returns C2..C5: as the
+  // next stage reads them, and C5 in the numbers of `last`, where a stage's last layer can store them so
+  // (conv2d.h: on a tile unit, and bf16 where it is Winograd's on AVX-512), else in f32.
   std::array<FeatureMap, 4> operator()(FeatureMap image, Arena& arena, const Numbers& last = {}) const;
 
  private:

@@ -51,8 +51,9 @@ class WeightReader {
   // use.
   void ignore(const std::string& prefix);
 
-  // Throws InputError unless every tensor asked for was there, with finite numbers, and every tensor there
-  // was asked for. `network` names what was built, for the message.
+  // The last call, when the network is built. Throws InputError unless every tensor asked for was there, with
+  // finite numbers, and every tensor there was asked for; `network` names what was built, for the message.
+  // Gives the memory that tensors took on their way back to the system.
   void finish(const std::string& network) const;
 
  private:

@@ -1,8 +1,9 @@
 // Kernels that multiply bf16 or 8-bit numbers, and which of them this machine can run.
 //
-// Three kinds of them: on a tile unit (tile_unit.h), whose layers read and write narrow maps; and on vector
+// Two kinds of them: on a tile unit (tile_unit.h), whose layers read and write narrow maps; and on vector
 // registers, in the register tile of kernel_table.h, whose inputs are converted and whose outputs are f32.
-// Sums are f32 or 32-bit whole numbers. numbers.h says what the numbers are.
+// (Around these Winograd's layers read and write maps in bf16, too, on AVX-512: winograd.h.) Sums are f32 or
+// 32-bit whole numbers. numbers.h says what the numbers are.
 // See docs/engine/quantisation.md.
 #pragma once
 

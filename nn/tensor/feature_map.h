@@ -5,7 +5,8 @@
 // border around the pixels holds zeros: it is the zero padding of the convolution that reads the map.
 //   block 16: activations in f32 (oneDNN calls this nChw16c)     block 4: images, the fourth channel 0
 //   block 8: images split in two bf16 a value
-//   block 32, 64: activations in bf16 and in 8 bits, which layers on a tile unit write and read
+//   block 32, 64: activations in bf16 and in 8 bits, which layers on a tile unit write and read; on AVX-512
+//   Winograd's layers do bf16, too
 // So a pixel of a block is a line of 64 bytes, whatever the numbers. pixel() is for f32, line() for all.
 // Channels beyond C in the last block hold whatever the layer computes there, finite numbers: convolutions
 // multiply them by zero weights.

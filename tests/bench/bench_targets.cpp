@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -263,6 +264,7 @@ int run(int repeats, int threads, const std::vector<std::string>& pythons, const
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a peer that ends is an Error, see peer.h
   const int repeats = argc > 1 ? std::max(std::atoi(argv[1]), 1) : 20;
   const int threads = argc > 2 ? std::max(std::atoi(argv[2]), 1) : 1;
   // The program itself lies beside this one.

@@ -1,11 +1,10 @@
 // A command that is run for its time.
 #pragma once
 
-#include <sys/resource.h>
-
 #include <cstdio>
 #include <string>
 
+#include "apps/common/process_usage.h"
 #include "nn/base/error.h"
 
 namespace penumbra {
@@ -18,15 +17,7 @@ struct Child {
 
 // Throws Error where it fails.
 inline Child run_child(const std::string& command) {
-  const auto children_seconds = [] {
-    rusage usage{};
-    getrusage(RUSAGE_CHILDREN, &usage);
-    const auto seconds = [](const timeval& t) {
-      return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  };
-  const double before = children_seconds();
+  const double before = apps::process_usage(RUSAGE_CHILDREN).cpu_seconds;
   Child child;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) throw Error("cannot run " + command);
@@ -34,7 +25,7 @@ inline Child run_child(const std::string& command) {
   while (const std::size_t read = std::fread(buffer, 1, sizeof(buffer), pipe))
     child.output.append(buffer, read);
   if (pclose(pipe) != 0) throw Error(command + " failed");
-  child.processor_seconds = children_seconds() - before;
+  child.processor_seconds = apps::process_usage(RUSAGE_CHILDREN).cpu_seconds - before;
   return child;
 }
 

@@ -12,11 +12,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/utility.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "nn/base/parallel.h"
+#include "nn/base/quantile.h"
 #include "nn/base/stage_timer.h"
 #include "nn/image/resize.h"
 #include "slam/frontend/disparity/dense_disparity.h"
@@ -53,7 +57,8 @@ struct Row {
   void print(const std::string& name) {
     std::sort(errors.begin(), errors.end());
     fmt::print("{:28} {:6.1f} % {:8.2f} {:6.2f} % {:6.2f} % {:8.1f} ms\n", name, 100.0 * known / seen,
-               errors[errors.size() / 2], 100.0 * share_above(1.0), 100.0 * share_above(3.0), milliseconds);
+               quantile_of_sorted(errors, 0.5), 100.0 * share_above(1.0), 100.0 * share_above(3.0),
+               milliseconds);
   }
 };
 
@@ -100,7 +105,7 @@ void compare(std::uint32_t seed) {
     slam::synthetic::SequenceFrame frame;
     for (const int i : {0, 12, 24, 36, 48}) {
       street.render(i, frame);
-      const Size size{1240 / shrink, 376 / shrink};
+      const Size size{settings.size.width / shrink, settings.size.height / shrink};
       const ByteImage left = resize_area(frame.left_grey, size), right = resize_area(frame.right_grey, size);
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const double begin = thread_processor_ms();

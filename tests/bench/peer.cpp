@@ -1,35 +1,20 @@
 #include "tests/bench/peer.h"
 
-#include <fcntl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <utility>
 
 #include "nn/base/error.h"
+#include "tests/bench/piped_program.h"
 
 namespace penumbra {
 
-Peer::Peer(std::vector<std::string> command) {
-  std::vector<char*> words;
-  for (std::string& word : command) words.push_back(word.data());
-  words.push_back(nullptr);
-  int to[2], from[2];
-  if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) throw Error("no pipe to another program");
-  process_ = fork();
-  if (process_ == 0) {
-    dup2(to[0], STDIN_FILENO);
-    dup2(from[1], STDOUT_FILENO);
-    execvp(words[0], words.data());
-    _exit(127);
-  }
-  close(to[0]);
-  close(from[1]);
-  questions_ = fdopen(to[1], "w");
-  answers_ = fdopen(from[0], "r");
-  if (process_ < 0) throw Error("cannot start " + command.front());
+Peer::Peer(const std::vector<std::string>& command) {
+  const PipedProgram program = start_piped(command);
+  process_ = program.process;
+  questions_ = fdopen(program.input, "w");
+  answers_ = fdopen(program.output, "r");
   const std::string line = read_line();
   facts_ = nlohmann::ordered_json::parse(line, nullptr, false);
   if (!facts_.is_object()) facts_ = {{"missing", command.front() + " did not answer"}};

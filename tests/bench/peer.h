@@ -14,14 +14,14 @@ class Peer {
  public:
   // `command` and its arguments. Waits for its first line, which facts() has; where the engine is not
   // installed or does not start, that says what is "missing".
-  explicit Peer(std::vector<std::string> command);
+  explicit Peer(const std::vector<std::string>& command);
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
   ~Peer();
 
   const nlohmann::ordered_json& facts() const { return facts_; }
   bool runs(const std::string& what) const;  // "backbone" or "full"
-  // Of the processor, for one run. Throws Error where the process has ended.
+  // Of the processor, for one run. Throws Error where the process has ended, if this one ignores SIGPIPE.
   double seconds(const std::string& what);
 
  private:

@@ -12,7 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -21,12 +20,15 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "nn/base/quantile.h"
 #include "nn/image/image_file.h"
 #include "slam/sources/open_dataset.h"
+#include "tests/bench/piped_program.h"
 
 namespace penumbra {
 namespace {
@@ -61,52 +63,33 @@ struct Drive {
 // `penumbra slam -` with a pipe on either side.
 class Program {
  public:
-  Program(const std::string& penumbra, const std::vector<std::string>& arguments) {
-    std::array<int, 2> in{}, out{};
-    if (::pipe(in.data()) != 0 || ::pipe(out.data()) != 0) std::abort();
-    process_ = ::fork();
-    if (process_ == 0) {
-      ::dup2(in[0], STDIN_FILENO);
-      ::dup2(out[1], STDOUT_FILENO);
-      for (const int end : {in[0], in[1], out[0], out[1]}) ::close(end);
-      std::vector<char*> words{const_cast<char*>(penumbra.c_str())};
-      for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
-      words.push_back(nullptr);
-      ::execv(penumbra.c_str(), words.data());
-      std::_Exit(127);
-    }
-    ::close(in[0]);
-    ::close(out[1]);
-    input_ = in[1];
-    output_ = out[0];
-  }
+  explicit Program(const std::vector<std::string>& command) : program_(start_piped(command)) {}
   // False where nobody reads any more.
   bool write(const std::string& bytes) const {
     for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t count = ::write(input_, bytes.data() + done, bytes.size() - done);
+      const ssize_t count = ::write(program_.input, bytes.data() + done, bytes.size() - done);
       if (count <= 0) return false;
       done += static_cast<std::size_t>(count);
     }
     return true;
   }
-  void end_input() const { ::close(input_); }
-  int output() const { return output_; }
+  void end_input() const { ::close(program_.input); }
+  int output() const { return program_.output; }
   int wait() const {
     int status = 0;
-    ::waitpid(process_, &status, 0);
+    ::waitpid(program_.process, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
   }
   // Megabytes that it holds; 0 where it is gone.
   double memory() const {
-    std::ifstream pages(fmt::format("/proc/{}/statm", process_));
+    std::ifstream pages(fmt::format("/proc/{}/statm", program_.process));
     double all = 0.0, resident = 0.0;
     pages >> all >> resident;
     return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
   }
 
  private:
-  pid_t process_ = 0;
-  int input_ = -1, output_ = -1;
+  PipedProgram program_;
 };
 
 struct Sample {
@@ -128,13 +111,6 @@ double slope(const std::vector<Sample>& samples, Value value) {
   return spread > 0.0 ? (n * tv - t * v) / spread : 0.0;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 int soak(const std::string& penumbra, const std::string& folder, double minutes, double rate) {
   std::signal(SIGPIPE, SIG_IGN);
   const Drive drive(folder);
@@ -145,12 +121,14 @@ int soak(const std::string& penumbra, const std::string& folder, double minutes,
   std::ofstream(rig) << fmt::format("fx: {}\nfy: {}\ncx: {}\ncy: {}\nbaseline: {}\nwidth: {}\nheight: {}\n",
                                     drive.camera.fx, drive.camera.fy, drive.camera.cx, drive.camera.cy,
                                     drive.camera.baseline, drive.camera.width, drive.camera.height);
-  const Program program(penumbra,
-                        {"slam", "-", "--camera", rig, "--poses", "-", "--out", (out / "run").string()});
+  const Program program(
+      {penumbra, "slam", "-", "--camera", rig, "--poses", "-", "--out", (out / "run").string()});
   std::mutex mutex;
   std::vector<double> delays;  // since the last line
   std::atomic<int> located{0};
-  Clock::time_point start = Clock::now();
+  program.write(fmt::format("YUV4MPEG2 W{} H{} F{}:1000 Ip Cmono\n", 2 * drive.camera.width,
+                            drive.camera.height, static_cast<int>(1000.0 * rate)));
+  const Clock::time_point start = Clock::now();
   std::thread reader([&] {
     FILE* const lines = ::fdopen(program.output(), "r");
     std::array<char, 512> line{};
@@ -174,8 +152,8 @@ int soak(const std::string& penumbra, const std::string& folder, double minutes,
       double worst = 0.0;
       {
         const std::lock_guard lock(mutex);
-        if (!delays.empty()) worst = *std::max_element(delays.begin(), delays.end());
-        sample.delay = median(std::exchange(delays, {}));
+        worst = quantile_of(delays, 1.0);
+        sample.delay = quantile_of(std::exchange(delays, {}), 0.5);
       }
       fmt::print("{:6.0f} s  {:7.1f} MB  delay {:5.1f} ms (most {:6.1f})  {} frames, {} located\n", sample.at,
                  sample.memory, 1e3 * sample.delay, 1e3 * worst, sent.load(), located.load());
@@ -183,9 +161,6 @@ int soak(const std::string& penumbra, const std::string& folder, double minutes,
       if (sample.at > 60.0 * minutes / 3.0) samples.push_back(sample);  // the map is made in the first laps
     }
   });
-  program.write(fmt::format("YUV4MPEG2 W{} H{} F{}:1000 Ip Cmono\n", 2 * drive.camera.width,
-                            drive.camera.height, static_cast<int>(1000.0 * rate)));
-  start = Clock::now();
   const int count = static_cast<int>(60.0 * minutes * rate);
   for (int i = 0; i < count; ++i) {
     std::this_thread::sleep_until(

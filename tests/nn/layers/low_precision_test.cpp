@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "nn/base/error.h"
 #include "nn/layers/conv2d.h"
@@ -143,11 +145,18 @@ TEST_P(LowPrecisionTest, DirectLayersReadBf16) {
   Conv2dOptions options;
   options.format = {GetParam(), {1.0F / 127, 127}, nullptr};
   const Conv2d conv(random_tensor({48, 70, 1, 1}, 1), {}, options);
+  const Numbers bf16{Precision::bf16, {}};
   Arena arena;
-  const FeatureMap narrow =
-      in_numbers(to_feature_map(random_tensor({1, 70, 5, 9}, 2), arena), {Precision::bf16, {}}, arena);
-  EXPECT_EQ(to_tensor(conv(narrow, arena)).values,
-            to_tensor(conv(in_numbers(narrow, {}, arena), arena)).values);
+  const FeatureMap narrow = in_numbers(to_feature_map(random_tensor({1, 70, 5, 9}, 2), arena), bf16, arena);
+  const FeatureMap wide = in_numbers(narrow, {}, arena);
+  EXPECT_EQ(to_tensor(conv(narrow, arena)).values, to_tensor(conv(wide, arena)).values);
+  // A residual as well, also where nobody reads it afterwards, and where the output is laid out otherwise.
+  FeatureMap residual = in_numbers(to_feature_map(random_tensor({1, 48, 5, 9}, 3), arena), bf16, arena);
+  const FeatureMap wide_residual = in_numbers(residual, {}, arena);
+  const std::vector<float> expected = to_tensor(conv(wide, arena, 0, &wide_residual)).values;
+  EXPECT_EQ(to_tensor(conv(narrow, arena, 0, &residual)).values, expected);
+  EXPECT_EQ(to_tensor(conv(narrow, arena, 1, &residual)).values, expected);
+  EXPECT_EQ(to_tensor(conv.onto(std::move(residual), narrow, arena)).values, expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, LowPrecisionTest, ::testing::Values(Precision::bf16, Precision::int8),
