@@ -44,7 +44,7 @@ class BlockCholesky {
   // Where the given blocks belong: per block of S, and whether it has to be transposed for it.
   std::vector<std::size_t> place_;
   std::vector<char> transposed_;
-  // Per row j, the blocks (j, k) with k < j, from which on column k changes column j; and the end of column k.
+  // Per row j, the blocks (j, k) with k < j, from which on column k changes column j; and column k's end.
   std::vector<std::size_t> row_begin_;
   std::vector<std::size_t> row_blocks_;
   std::vector<std::size_t> row_ends_;

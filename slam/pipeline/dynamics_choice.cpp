@@ -13,8 +13,8 @@ bool choose_dynamics(std::string_view name, SemanticsSettings& settings) {
   for (const auto& [known, masks] : kNames) {
     if (name != known) continue;
     settings.depth_masks.masks = masks;
-    // The depths of a box take more than the person, so what stands is given back: as the settings say, and by
-    // the paper's letter where they do not, the better partner of its foreground (static-points.md).
+    // The depths of a box take more than the person, so what stands is given back: as the settings say, and
+    // by the paper's letter where they do not, the better partner of its foreground (static-points.md).
     StaticPointMode& mode = settings.static_points.constraint.mode;
     if (masks != InstanceMasks::dbscan) {
       mode = StaticPointMode::off;

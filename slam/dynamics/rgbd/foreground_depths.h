@@ -1,9 +1,9 @@
 // Which depths in a person's box are the person's, from those of the feature points (adaptive DBSCAN).
 //
-// Mode `paper`, the default (Xu et al., "clusters of depth; eps and minPts adapt to the data", which leaves open how):
-// minPts = ln n, eps at the knee of the sorted distances to the minPts-th nearest depth; the cluster with the
-// lowest mean depth is the person, all else is background. Mode `adaptive`, which leaves less of people
-// (docs/dynamics/static-points.md):
+// Mode `paper`, the default (Xu et al., "clusters of depth; eps and minPts adapt to the data", which leaves
+// open how): minPts = ln n, eps at the knee of the sorted distances to the minPts-th nearest depth; the
+// cluster with the lowest mean depth is the person, all else is background. Mode `adaptive`, which leaves
+// less of people (docs/dynamics/static-points.md):
 //
 //   on log z, for depth noise and the spread of a body's features grow with z
 //   minPts = sqrt n, eps = 0.06: 6 % of the depth
