@@ -51,9 +51,13 @@ class SpatialAttention(nn.Module):
         self.gain = gain
         self.weight = nn.Parameter(torch.zeros(1, 2, 7, 7))
 
-    def forward(self, f):
+    def gate(self, f):
+        """[N, 1, H, W]"""
         pooled = torch.stack(LargestAndMean.apply(pixels(f), False), 1).unflatten(2, f.shape[2:])
-        return self.gain * torch.sigmoid(F.conv2d(pooled, self.weight, padding=3)) * f
+        return self.gain * torch.sigmoid(F.conv2d(pooled, self.weight, padding=3))
+
+    def forward(self, f):
+        return self.gate(f) * f
 
 
 class ChannelAttention(nn.Module):
@@ -68,10 +72,13 @@ class ChannelAttention(nn.Module):
     def mlp(self, v):
         return self.expand(torch.relu(self.reduce(v)))
 
-    def forward(self, f):
+    def gate(self, f):
+        """[N, C, 1, 1]"""
         largest, mean = LargestAndMean.apply(pixels(f), True)
-        gate = self.gain * torch.sigmoid(self.mlp(largest) + self.mlp(mean))
-        return gate[:, :, None, None] * f
+        return self.gain * torch.sigmoid(self.mlp(largest) + self.mlp(mean))[:, :, None, None]
+
+    def forward(self, f):
+        return self.gate(f) * f
 
 
 ORDERS = ("spatial", "channel", "spatial-channel", "channel-spatial")  # one gate alone, the paper's order, the other one
