@@ -20,7 +20,11 @@ debootstrap --variant=minbase "$VERSION_CODENAME" "$root" >"$work/debootstrap.lo
   { tail -n 5 "$work/debootstrap.log" >&2; exit 1; }
 cp /etc/apt/sources.list.d/* "$root/etc/apt/sources.list.d/" 2>/dev/null || true
 cp /etc/apt/apt.conf.d/*prox* "$root/etc/apt/apt.conf.d/" 2>/dev/null || true
-inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"; }
+# Nothing of the environment outside but the way to the packages: it may name compilers and launchers.
+inside() {
+  chroot "$root" env -i HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive PATH=/usr/sbin:/usr/bin:/sbin:/bin \
+    ${http_proxy+http_proxy="$http_proxy"} ${https_proxy+https_proxy="$https_proxy"} "$@"
+}
 
 say "The static program in it"
 tar -xzf "$tarball" -C "$root/root"
