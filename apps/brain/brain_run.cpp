@@ -11,6 +11,7 @@
 #include "apps/common/log.h"
 #include "apps/common/process_usage.h"
 #include "apps/common/progress_bar.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/parallel.h"
@@ -126,10 +127,12 @@ slam::brain::BrainSettings settings_of(const BrainOptions& options) {
 }
 
 void print_summary(const nlohmann::json& run, const std::filesystem::path& out) {
-  fmt::print(
-      "{}: {} frames, {} keyframes, {} nodes, {} links, {} places recalled, {:.2f} ms a frame (median)\n",
-      run["dataset"].get<std::string>(), run["frames"].get<int>(), run["keyframes"].get<int>(),
-      run["nodes"].get<int>(), run["links"].get<int>(), run["recalls"].size(), run.value("median_ms", 0.0));
+  fmt::print("{}: {}, {}, {}, {}, {} recalled, {:.2f} ms a frame (median)\n",
+             run["dataset"].get<std::string>(), counted(run["frames"].get<std::uint64_t>(), "frame"),
+             counted(run["keyframes"].get<std::uint64_t>(), "keyframe"),
+             counted(run["nodes"].get<std::uint64_t>(), "node"),
+             counted(run["links"].get<std::uint64_t>(), "link"), counted(run["recalls"].size(), "place"),
+             run.value("median_ms", 0.0));
   if (run.contains("ground_truth")) {
     fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse by the settled map",
                run["ground_truth"]["path_m"].get<double>(), run["ground_truth"]["ape_rmse_m"].get<double>());

@@ -68,12 +68,30 @@ void print_rig(const slam::CameraFile& camera) {
              Eigen::AngleAxisd(camera.T_right_left.rotation).angle() * kDegrees);
 }
 
+// A camera's own numbers: what undoes its lens may well stretch the image.
+slam::StereoCamera as_given(const slam::LensCamera& lens) {
+  slam::StereoCamera camera;
+  camera.fx = lens.fx;
+  camera.fy = lens.fy;
+  camera.cx = lens.cx;
+  camera.cy = lens.cy;
+  camera.width = lens.width;
+  camera.height = lens.height;
+  return camera;
+}
+
 void calibration(const CalibrationOptions& options) {
   slam::Calibration read = slam::read_calibration(options.files);
   slam::CameraFile& camera = read.camera;
   if (!options.size.empty()) {
     const std::optional<Size> size = parse_image_size(options.size);
     if (!size) throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT, found '{}'", options.size));
+    const Size said{camera.left.width, camera.left.height};
+    if (said.width > 0 && *size != said) {
+      throw UsageError(fmt::format(
+          "--size {}: the file is for images of {}x{} pixels, and its numbers are no other size's",
+          options.size, said.width, said.height));
+    }
     camera.left.width = camera.right.width = size->width;
     camera.left.height = camera.right.height = size->height;
   }
@@ -84,20 +102,33 @@ void calibration(const CalibrationOptions& options) {
                                                  : "two raw cameras",
              has_size ? fmt::format(" of {} x {} pixels", camera.left.width, camera.left.height) : "");
   print_rig(camera);
+  for (const slam::Mounting& body : camera.mountings) {
+    const Eigen::Vector3d& t = body.T_frame_camera.translation;
+    fmt::print("{:<10} {}: the left camera is at ({:.4f}, {:.4f}, {:.4f}) of it\n", "body", body.frame, t.x(),
+               t.y(), t.z());
+  }
   for (const std::string& note : camera.notes) log_warning("{}", note);
   if (has_size) {
     const slam::RecordedCamera made = slam::make_camera(camera);
     const slam::StereoCamera& c = made.camera;
     if (!camera.rectified || !camera.left.distortion.empty()) {
-      fmt::print("{:<10} fx = fy = {:.6g}, cx {:.6g}, cy {:.6g} pixels, baseline {:.6g} m\n", "rectified",
-                 c.fx, c.cx, c.cy, camera.rectified ? camera.baseline : c.baseline);
+      fmt::print("{:<10} fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g} pixels, baseline {:.6g} m\n",
+                 camera.rectified ? "undistorted" : "rectified", c.fx, c.fy, c.cx, c.cy,
+                 camera.rectified ? camera.baseline : c.baseline);
     }
-    for (const std::string& doubt : slam::check_camera(c)) log_warning("{}", doubt);
+    for (const slam::LensCamera* lens : {&camera.left, camera.rectified ? nullptr : &camera.right}) {
+      if (lens == nullptr) continue;
+      for (const std::string& doubt : slam::check_camera(as_given(*lens))) log_warning("{}", doubt);
+    }
   } else if (!camera.rectified) {
     log_warning(
         "the file does not say the size of the images: give it by --size, or that of the first image counts");
   }
   if (options.output.empty()) return;
+  if (!has_size && (!camera.rectified || !camera.left.distortion.empty()))
+    throw UsageError(fmt::format(
+        "{}: not written, for the images' size is missing to undo the lenses: --size WIDTHxHEIGHT",
+        options.output));
   nn::write_file(options.output, slam::calibration_text(camera));
   log_info("{}: written", options.output);
 }
@@ -115,7 +146,8 @@ void add_calibration_command(CLI::App& app) {
           "camera's first, of ROS or EuRoC")
       ->required()
       ->expected(1, 2);
-  command->add_option("--size", options->size, "WxH of the images, where the file does not say it");
+  command->add_option("--size", options->size,
+                      "WxH of the images, where the file does not say it; -o needs it of raw lenses");
   command->add_option("-o,--output", options->output,
                       "write it as a calibration.yaml of Penumbra's own keys");
   command->footer(

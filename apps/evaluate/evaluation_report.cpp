@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "nn/base/counted.h"
+
 namespace penumbra::apps {
 
 namespace {
@@ -45,15 +47,16 @@ ordered_json drift_json(const SegmentDrift& drift) {
           {"r_rel_deg_per_100m", known ? ordered_json(drift.rotation) : ordered_json(nullptr)}};
 }
 
-std::string frames_name(int frames) { return frames == 1 ? "1 frame" : fmt::format("{} frames", frames); }
+std::string frames_name(int frames) { return counted(static_cast<std::uint64_t>(frames), "frame"); }
 
 }  // namespace
 
 std::string evaluation_table(const slam::Evaluation& evaluation, const slam::EvaluationOptions& options) {
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{} poses, path of {:.1f} m, alignment {}", evaluation.poses,
-                 evaluation.kitti.path_length, to_string(options.alignment));
+  fmt::format_to(out, "{}, path of {:.1f} m, alignment {}",
+                 counted(static_cast<std::uint64_t>(evaluation.poses), "pose"), evaluation.kitti.path_length,
+                 to_string(options.alignment));
   if (options.alignment == slam::Alignment::sim3)
     fmt::format_to(out, " (scale {:.6f})", evaluation.alignment.scale);
   fmt::format_to(out, "\n\n{:<24}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>8}\n", "", "rmse", "mean", "median",

@@ -8,6 +8,7 @@
 #include "apps/common/commands.h"
 #include "apps/fleet/fleet_report.h"
 #include "apps/fleet/plan.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/text.h"
@@ -31,8 +32,8 @@ void make_plan(PlanOptions& options) {
   if (folder.find_first_of("\t\n") != folder.npos)  // would end a word of jobs.tsv
     throw InputError(printable(folder), "a path without tabs and line ends", "one with them");
   write_fleet_plan(options.out, plan);
-  fmt::print("{}: {} recordings. {}/submit.sh hands them to Slurm, {}/here.sh does them here.\n", options.out,
-             plan.recordings.size(), options.out, options.out);
+  fmt::print("{0}: {1}. {0}/submit.sh for Slurm, {0}/here.sh for this machine.\n", options.out,
+             counted(plan.recordings.size(), "recording"));
 }
 
 void make_report(const std::string& folder) {
@@ -45,10 +46,10 @@ void make_report(const std::string& folder) {
                row.last_words);
   }
   const auto done = static_cast<std::size_t>(std::ranges::count(rows, FleetState::done, &FleetRow::state));
-  fmt::print("{} of {} recordings are done; see {}/index.html\n", done, rows.size(), folder);
+  fmt::print("done: {} of {}; see {}/index.html\n", done, counted(rows.size(), "recording"), folder);
   const std::string unmerged = why_not_merged(folder);
   if (!unmerged.empty()) fmt::print("no merged map: {}\n", unmerged);
-  if (done < rows.size()) throw Error(fmt::format("{} recordings are not done", rows.size() - done));
+  if (done < rows.size()) throw Error(fmt::format("not done: {}", counted(rows.size() - done, "recording")));
   if (!unmerged.empty()) throw Error("the maps are not merged");
 }
 

@@ -11,6 +11,7 @@
 #include "apps/common/commands.h"
 #include "apps/common/log.h"
 #include "apps/network/load_network.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/nearest_word.h"
 #include "nn/base/text.h"
@@ -55,8 +56,9 @@ void convert(const ConvertOptions& options) {
 
   const std::vector<std::string> left_out = weights_tools::leave_out_unwritable(state);
   if (!left_out.empty()) {
-    log_warning("{} tensors of C128 left out, which safetensors does not have: {}{}", left_out.size(),
-                printable(left_out.front()), left_out.size() > 1 ? ", ..." : "");
+    log_warning("left out: {} of C128, which safetensors does not have: {}{}",
+                counted(left_out.size(), "tensor"), printable(left_out.front()),
+                left_out.size() > 1 ? ", ..." : "");
   }
   if (state.tensors.empty()) throw InputError(options.input, "tensors that safetensors can hold", "none");
 
@@ -65,8 +67,9 @@ void convert(const ConvertOptions& options) {
     const nn::DataType type = options.dtype == "f16" ? nn::DataType::f16 : nn::DataType::f32;
     weights_tools::FloatConversion conversion = weights_tools::convert_floats(state, type);
     if (!conversion.out_of_range.empty()) {
-      log_warning("{} tensors stay f32, their values lie beyond the range of {}: {}{}",
-                  conversion.out_of_range.size(), options.dtype, printable(conversion.out_of_range.front()),
+      log_warning("kept in f32, for their values lie beyond the range of {}: {}: {}{}", options.dtype,
+                  counted(conversion.out_of_range.size(), "tensor"),
+                  printable(conversion.out_of_range.front()),
                   conversion.out_of_range.size() > 1 ? ", ..." : "");
     }
     state = std::move(conversion.state);
@@ -83,8 +86,8 @@ void convert(const ConvertOptions& options) {
     nn::metadata_integer(state, key, {1.0, 1e6});
   nn::write_safetensors(options.output, state);
 
-  fmt::print("{} ({}) -> {}: {} tensors, {} converted to {}{}, {} bytes\n", options.input, to_string(format),
-             options.output, state.tensors.size(), converted,
+  fmt::print("{} ({}) -> {}: {}, {} converted to {}{}, {} bytes\n", options.input, to_string(format),
+             options.output, counted(state.tensors.size(), "tensor"), converted,
              options.dtype == "keep" ? "nothing" : options.dtype,
              batch_norms == 0 ? "" : fmt::format(" ({} of batch norms stay f32)", batch_norms),
              std::filesystem::file_size(options.output));

@@ -12,6 +12,7 @@
 #include "apps/common/compute_options.h"
 #include "apps/network/load_network.h"
 #include "apps/network/recording_info.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/parallel.h"
 #include "nn/base/text.h"
@@ -79,8 +80,8 @@ void print_table(const nn::StateDict& state, const char* format) {
     fmt::print("metadata: {} = {}\n", printable(key), printable(value, 400));
   }
   const Totals totals = total(state);
-  fmt::print("{}: {}, {} tensors, {} elements, {} bytes\n", printable(state.source, 400), format,
-             state.tensors.size(), totals.elements, totals.bytes);
+  fmt::print("{}: {}, {}, {}, {} bytes\n", printable(state.source, 400), format,
+             counted(state.tensors.size(), "tensor"), counted(totals.elements, "element"), totals.bytes);
 }
 
 void show_cpu(bool json) {

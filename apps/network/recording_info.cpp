@@ -8,6 +8,7 @@
 #include <string>
 
 #include "apps/common/log.h"
+#include "nn/base/counted.h"
 #include "nn/base/text.h"
 #include "slam/sources/bag_recording.h"
 
@@ -50,6 +51,8 @@ void print_json(const std::string& file, const slam::BagSummary& summary) {
                       {"first_s", seconds(topic.first)},
                       {"last_s", seconds(topic.last)}});
   }
+  std::vector<std::string> frames;
+  for (const std::string& frame : summary.frames) frames.push_back(printable(frame));
   const Span span = span_of(summary);
   const nlohmann::ordered_json info = {{"file", file},
                                        {"format", summary.kind},
@@ -58,6 +61,7 @@ void print_json(const std::string& file, const slam::BagSummary& summary) {
                                        {"topics", topics},
                                        {"taken", summary.taken},
                                        {"not_taken", summary.reason},
+                                       {"frames", frames},
                                        {"notes", summary.notes}};
   fmt::print("{}\n", info.dump(2));
 }
@@ -76,10 +80,17 @@ void print_table(const std::string& file, const slam::BagSummary& summary) {
                rate_of(topic), seconds(topic.last) - seconds(topic.first));
   }
   const Span span = span_of(summary);
-  fmt::print("{}: {}, {} topics, {} messages, recorded from {:.3f} to {:.3f} s\n", file, summary.kind,
-             summary.topics.size(), span.messages, seconds(span.first), seconds(span.last));
+  fmt::print("{}: {}, {}, {}, recorded from {:.3f} to {:.3f} s\n", file, summary.kind,
+             counted(summary.topics.size(), "topic"), counted(span.messages, "message"), seconds(span.first),
+             seconds(span.last));
   if (!summary.taken.empty()) {
     fmt::print("penumbra slam takes: {}\n", summary.taken);
+    if (!summary.frames.empty()) {
+      std::string frames;
+      for (const std::string& frame : summary.frames)
+        frames += (frames.empty() ? "" : ", ") + printable(frame, 60);
+      fmt::print("frames in which the left camera stands still (--body): {}\n", frames);
+    }
   } else {
     fmt::print("penumbra slam finds no two topics that belong together{}\n",
                summary.reason.empty() ? "" : ": " + summary.reason);

@@ -20,6 +20,7 @@
 #include "apps/network/network_options.h"
 #include "apps/network/overlay.h"
 #include "apps/network/segment_report.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/parallel.h"
@@ -188,8 +189,9 @@ class SegmentRun {
   }
 
   void print_summary() const {
-    fmt::print("{} images, {} instances, {:.3f} s an image, {:.0f} MB of activations\n", segmented_,
-               results_.size() + left_out_, segmented_ > 0 ? seconds_ / segmented_ : 0.0,
+    fmt::print("{}, {}, {:.3f} s an image, {:.0f} MB of activations\n",
+               counted(static_cast<std::uint64_t>(segmented_), "image"),
+               counted(results_.size() + left_out_, "instance"), segmented_ > 0 ? seconds_ / segmented_ : 0.0,
                static_cast<double>(loaded_.network->arena().peak_bytes()) * 1e-6);
   }
 

@@ -4,11 +4,14 @@
 
 #include <iterator>
 
+#include "nn/base/counted.h"
+
 namespace penumbra::apps {
 
 std::string image_text(const SegmentedImage& image, const std::vector<std::string>& names, float show_above) {
-  std::string text = fmt::format("{}: {} x {}, {} instances in {:.2f} s", image.path.string(),
-                                 image.size.width, image.size.height, image.detections.size(), image.seconds);
+  std::string text =
+      fmt::format("{}: {} x {}, {} in {:.2f} s", image.path.string(), image.size.width, image.size.height,
+                  counted(image.detections.size(), "instance"), image.seconds);
   if (image.picture) text += " -> " + image.picture->string();
   text += "\n";
   for (const nn::Detection& detection : image.detections) {

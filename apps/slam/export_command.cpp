@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/common/commands.h"
 #include "apps/common/run_json.h"
@@ -16,6 +17,7 @@
 #include "apps/view/keyframe_gallery.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
+#include "slam/geometry/mounting.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/map/ply.h"
 #include "slam/sources/bag/mcap_writer.h"
@@ -30,7 +32,8 @@ constexpr const char* kExportExamples = R"(Examples:
 
 MCAP, messages of ROS 2: /pose (geometry_msgs/PoseStamped), /path (nav_msgs/Path), /map (sensor_msgs/PointCloud2: points,
 keyframes in red), /overlay (sensor_msgs/CompressedImage: keyframes with their features and objects), /plan
-(nav_msgs/OccupancyGrid, of runs with --dense), /tf and /tf_static (world, z up; map; camera; plan). PCD: x y z rgb.)";
+(nav_msgs/OccupancyGrid, of runs with --dense), /tf and /tf_static (world, z up; map; camera; plan). Of a run with --body
+poses and path are the body's, and the camera hangs on it. PCD: x y z rgb.)";
 
 struct ExportOptions {
   std::string run, mcap, pcd;
@@ -57,53 +60,96 @@ std::map<std::int64_t, fs::path> overlays_of(const fs::path& folder) {
   return overlays;
 }
 
-// The plan of a run with --dense, and where it lies.
-std::optional<slam::OccupancyGrid> plan_of(const fs::path& folder) {
-  if (!fs::exists(folder / "plan.yaml")) return std::nullopt;
-  const nlohmann::json run = read_run_json(folder / "run.json");
-  const auto place = "/dense/plan_from_map"_json_pointer;
+// Rows of [R t] in run.json; nothing where they are not there.
+std::optional<slam::SE3> motion_in(const fs::path& run_json, const char* pointer) {
+  const nlohmann::json run = read_run_json(run_json);
+  const nlohmann::json::json_pointer place(pointer);
   if (!run.contains(place)) return std::nullopt;
   std::array<std::array<double, 4>, 3> rows{};
   try {
     run.at(place).get_to(rows);
   } catch (const nlohmann::json::exception&) {
-    throw InputError((folder / "run.json").string(), "dense.plan_from_map: three rows of four numbers",
+    throw InputError(run_json.string(), fmt::format("{}: three rows of four numbers", pointer),
                      run.at(place).dump());
   }
-  slam::OccupancyGrid plan = slam::read_occupancy(folder / "plan.yaml");
+  slam::SE3 T;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const auto i = static_cast<Eigen::Index>(row);
-    plan.T_plan_world.rotation.row(i) = Eigen::Map<const Eigen::RowVector3d>(rows[row].data());
-    plan.T_plan_world.translation[i] = rows[row][3];
+    T.rotation.row(i) = Eigen::Map<const Eigen::RowVector3d>(rows[row].data());
+    T.translation[i] = rows[row][3];
   }
+  return T;
+}
+
+// The plan of a run with --dense, and where it lies.
+std::optional<slam::OccupancyGrid> plan_of(const fs::path& folder) {
+  if (!fs::exists(folder / "plan.yaml")) return std::nullopt;
+  const std::optional<slam::SE3> T_plan_map = motion_in(folder / "run.json", "/dense/plan_from_map");
+  if (!T_plan_map) return std::nullopt;
+  slam::OccupancyGrid plan = slam::read_occupancy(folder / "plan.yaml");
+  plan.T_plan_world = *T_plan_map;
   return plan;
 }
 
+// The body of a run with --body.
+std::optional<slam::Mounting> body_of(const fs::path& folder) {
+  if (!fs::exists(folder / "run.json")) return std::nullopt;
+  const std::optional<slam::SE3> T_body_camera = motion_in(folder / "run.json", "/body/body_from_camera");
+  if (!T_body_camera) return std::nullopt;
+  std::string frame = read_run_json(folder / "run.json").at("body").value("frame", "body");
+  for (const char* own : {"world", "map", "camera", "plan"}) {
+    if (frame == own) frame += "_body";
+  }
+  return slam::Mounting{frame, *T_body_camera};
+}
+
+// What moves: the camera on the map, or the body, on which the camera stands.
+Transform moved(const std::optional<slam::Mounting>& body, const slam::SE3& T_wc) {
+  if (!body) return {"map", "camera", T_wc};
+  return {"map", body->frame, T_wc * body->T_frame_camera.inverse()};
+}
+
+// What stands still.
+std::vector<Transform> fixed_of(const std::optional<slam::Mounting>& body,
+                                const std::optional<slam::OccupancyGrid>& plan) {
+  std::vector<Transform> fixed = {{"world", "map", body ? body->T_frame_camera : z_up()}};
+  if (body) fixed.push_back({body->frame, "camera", body->T_frame_camera});
+  if (plan) fixed.push_back({"map", "plan", plan->T_plan_world.inverse()});
+  return fixed;
+}
+
 void write_run_mcap(const fs::path& path, const fs::path& run, const std::vector<slam::PlyVertex>& points) {
+  const std::optional<slam::Mounting> body = body_of(run);
+  const std::optional<slam::OccupancyGrid> plan = plan_of(run);
+  const char* const frame = body ? "world" : "map";  // of poses
   const slam::Trajectory poses = slam::read_tum_trajectory(run / "trajectory_tum.txt");
   slam::McapWriter writer(path);
-  const auto channel = [&](const char* topic, const MessageType& type) {
-    return writer.add_channel(topic, type.name, type.definition);
+  const auto channel = [&](const char* topic, const MessageType& type,
+                           slam::Offered offered = slam::Offered::as_it_comes) {
+    return writer.add_channel(topic, type.name, type.definition, offered);
   };
-  const std::uint16_t fixed = channel("/tf_static", kTransforms), moving = channel("/tf", kTransforms);
-  const std::uint16_t pose = channel("/pose", kPoseStamped), way = channel("/path", kPath);
-  const std::uint16_t map = channel("/map", kPointCloud2), overlay = channel("/overlay", kCompressedImage);
+  const std::uint16_t fixed = channel("/tf_static", kTransforms, slam::Offered::to_late_comers),
+                      moving = channel("/tf", kTransforms);
+  const std::uint16_t pose = channel("/pose", kPoseStamped),
+                      way = channel("/path", kPath, slam::Offered::to_late_comers);
+  const std::uint16_t map = channel("/map", kPointCloud2, slam::Offered::to_late_comers),
+                      overlay = channel("/overlay", kCompressedImage);
   // Map and path stand at the beginning, so that they are seen all along.
   const std::int64_t begin = nanoseconds_of(poses.front().timestamp);
-  writer.write(fixed, begin, world_transform_message(begin));
+  writer.write(fixed, begin, transforms_message(begin, fixed_of(body, plan)));
   writer.write(map, begin, cloud_message(begin, points));
-  writer.write(way, begin, path_message(begin, poses));
-  if (const std::optional<slam::OccupancyGrid> plan = plan_of(run)) {
-    writer.write(fixed, begin, plan_transform_message(begin, *plan));
-    writer.write(channel("/plan", kOccupancyGrid), begin, plan_message(begin, *plan));
+  writer.write(way, begin, path_message(begin, frame, body ? slam::poses_of_body(*body, poses) : poses));
+  if (plan) {
+    writer.write(channel("/plan", kOccupancyGrid, slam::Offered::to_late_comers), begin,
+                 plan_message(begin, *plan));
   }
   const std::map<std::int64_t, fs::path> overlays = overlays_of(run);
   for (const slam::TimedPose& at : poses) {
     const std::int64_t time = nanoseconds_of(at.timestamp);
     if (const auto picture = overlays.find(time); picture != overlays.end())
       writer.write(overlay, time, jpeg_message(time, nn::read_file(picture->second, "a JPEG")));
-    writer.write(pose, time, pose_message(time, at.T_wc));
-    writer.write(moving, time, camera_transform_message(time, at.T_wc));
+    writer.write(pose, time, pose_message(time, frame, body ? slam::pose_of_body(*body, at.T_wc) : at.T_wc));
+    writer.write(moving, time, transforms_message(time, {moved(body, at.T_wc)}));
   }
   writer.finish();
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "apps/common/log.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "slam/sources/calibration/calibration.h"
 #include "slam/sources/live/video_stream.h"
@@ -19,12 +20,12 @@ namespace {
 // What a stream can say beforehand.
 class StreamDescription final : public slam::StereoDataset {
  public:
-  StreamDescription(std::string name, const slam::StereoCamera& camera, slam::Sensor sensor,
+  StreamDescription(std::string name, const slam::RecordedCamera& camera, slam::Sensor sensor,
                     std::vector<std::string> notes)
       : name_(std::move(name)), camera_(camera), sensor_(sensor), notes_(std::move(notes)) {}
   std::string name() const override { return name_; }
   slam::Sensor sensor() const override { return sensor_; }
-  const slam::StereoCamera& camera() const override { return camera_; }
+  const slam::StereoCamera& camera() const override { return camera_.camera; }
   int size() const override { return 0; }
   int frame_number(int i) const override { return i; }
   double timestamp(int) const override { return 0.0; }
@@ -32,11 +33,12 @@ class StreamDescription final : public slam::StereoDataset {
     throw Error("a stream's frames are gone once they are taken");
   }
   const std::optional<slam::Trajectory>& ground_truth() const override { return no_truth_; }
+  const std::vector<slam::Mounting>& mountings() const override { return camera_.mountings; }
   const std::vector<std::string>& notes() const override { return notes_; }
 
  private:
   const std::string name_;
-  const slam::StereoCamera camera_;
+  const slam::RecordedCamera camera_;
   const slam::Sensor sensor_;
   const std::vector<std::string> notes_;
   const std::optional<slam::Trajectory> no_truth_;
@@ -114,8 +116,9 @@ void FrameInput::tell(SlamRun& run) const {
                 {"longest_delay_s", counts.longest_delay},
                 {"longest_silence_s", counts.longest_silence}};
   log_info(
-      "of {} frames of the stream {} were dropped; a frame waited {:.0f} ms at the mean, {:.0f} ms at most",
-      counts.read, counts.dropped, 1e3 * counts.mean_delay, 1e3 * counts.longest_delay);
+      "the stream had {}, of which {} {} dropped; a frame waited {:.0f} ms at the mean, {:.0f} ms at most",
+      counted(static_cast<std::uint64_t>(counts.read), "frame"), counts.dropped,
+      counts.dropped == 1 ? "was" : "were", 1e3 * counts.mean_delay, 1e3 * counts.longest_delay);
   if (const std::string remark = stream_->remark(); !remark.empty()) {
     run.stream["remark"] = remark;
     log_info("{}", remark);

@@ -9,6 +9,7 @@
 #include "apps/common/interruption.h"
 #include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 
 namespace penumbra::apps {
@@ -54,7 +55,7 @@ FrameLoop::FrameLoop(const SlamOptions& options, FrameInput& input, slam::Slam& 
       view_(view),
       run_(run),
       check_(input.dataset().camera(), input.dataset().sensor()),
-      poses_(options.poses) {}
+      poses_(options.poses, run.body) {}
 
 void FrameLoop::run(const ResultPlaces& places) {
   constexpr double kPatience = 0.1;  // seconds, for a stream's next frame, until signals are looked at
@@ -63,8 +64,8 @@ void FrameLoop::run(const ResultPlaces& places) {
   Checkpoints checkpoints(options_.checkpoint);
   while (run_.error.empty()) {
     if (Interruption::requested()) {
-      run_.error = fmt::format("interrupted by {} after {} frames", Interruption::signal_name(),
-                               record_.results().size());
+      run_.error = fmt::format("interrupted by {} after {}", Interruption::signal_name(),
+                               counted(record_.results().size(), "frame"));
       break;
     }
     try {

@@ -60,6 +60,12 @@ std::vector<slam::Instance> instances_of(const WordImage& numbers, const Instanc
 // The masks, by the numbers of their frames: NNNNNN.png, or, where none is named so, the images in the order
 // of their names.
 MaskFiles list_masks(const std::filesystem::path& folder) {
+  std::error_code none;
+  if (!std::filesystem::is_directory(folder, none)) {
+    throw InputError(folder.string(),
+                     "a folder of masks: NNNNNN.png for frame NNNNNN, or one for each frame by their order",
+                     std::filesystem::exists(folder, none) ? "a file" : "no such folder");
+  }
   constexpr std::size_t kDigits = 6;
   std::vector<std::filesystem::path> images;
   MaskFiles numbered;
@@ -70,6 +76,7 @@ MaskFiles list_masks(const std::filesystem::path& folder) {
     if (stem.size() == kDigits && stem.find_first_not_of("0123456789") == stem.npos)
       numbered[std::stoi(stem)] = path;
   }
+  if (images.empty()) throw InputError(folder.string(), "masks as PNG images", "none");
   if (!numbered.empty()) return numbered;
   for (const std::filesystem::path& path : images) numbered.emplace(static_cast<int>(numbered.size()), path);
   return numbered;
@@ -115,7 +122,6 @@ void require_size(const std::filesystem::path& path, const Size& size, const Siz
 
 slam::Segmenter make_people_mask_reader(const std::filesystem::path& folder, int margin) {
   const auto masks = std::make_shared<const MaskFiles>(list_masks(folder));
-  if (masks->empty()) throw InputError(folder.string(), "PNG masks that are 0 on people", "none");
   return [masks, margin](const slam::ImageToSegment& from) -> std::vector<slam::Instance> {
     const auto known = masks->find(from.frame);
     if (known == masks->end()) return {};
@@ -126,8 +132,8 @@ slam::Segmenter make_people_mask_reader(const std::filesystem::path& folder, int
 }
 
 slam::Segmenter make_mask_reader(const std::filesystem::path& folder) {
-  const auto names = std::make_shared<const Instances>(read_instances(folder));
   const auto masks = std::make_shared<const MaskFiles>(list_masks(folder));
+  const auto names = std::make_shared<const Instances>(read_instances(folder));
   return [masks, names](const slam::ImageToSegment& from) -> std::vector<slam::Instance> {
     const ByteImage& image = from.image;
     const auto known = masks->find(from.frame);

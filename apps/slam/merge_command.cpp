@@ -10,6 +10,7 @@
 #include "apps/common/compute_options.h"
 #include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/parallel.h"
@@ -41,8 +42,9 @@ std::vector<std::unique_ptr<slam::Map>> read_maps(const std::vector<std::string>
 void print_parts(const MergeOptions& options, const slam::MergedMaps& merged) {
   for (const slam::MergedPart& part : merged.parts) {
     const Eigen::Vector3d& t = part.T_merged_own.translation;
-    fmt::print("{}: {} keyframes, piece {}, {} ties to other maps, its origin at ({:.2f}, {:.2f}, {:.2f})\n",
-               options.maps[part.source], part.keyframes, part.piece, part.ties, t.x(), t.y(), t.z());
+    fmt::print("{}: {}, piece {}, {} to other maps, its origin at ({:.2f}, {:.2f}, {:.2f})\n",
+               options.maps[part.source], counted(static_cast<std::uint64_t>(part.keyframes), "keyframe"),
+               part.piece, counted(static_cast<std::uint64_t>(part.ties), "tie"), t.x(), t.y(), t.z());
   }
   if (merged.pieces > 1) {
     log_warning("{} pieces share nothing that was recognised: each keeps its own origin and orientation",
@@ -70,8 +72,9 @@ void merge(const MergeOptions& options) {
     slam::write_tum_trajectory(std::filesystem::path(options.out) / "keyframes_tum.txt", poses);
   }
   print_parts(options, merged);
-  fmt::print("{}: {} keyframes, {} points, {} {}\n", options.output, merged.map->keyframes().size(),
-             merged.map->points().size(), merged.pieces, merged.pieces == 1 ? "piece" : "pieces");
+  fmt::print("{}: {}, {}, {}\n", options.output, counted(merged.map->keyframes().size(), "keyframe"),
+             counted(merged.map->points().size(), "point"),
+             counted(static_cast<std::uint64_t>(merged.pieces), "piece"));
 }
 
 }  // namespace

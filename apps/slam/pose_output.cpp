@@ -45,7 +45,8 @@ int standard_output() {
 
 }  // namespace
 
-PoseOutput::PoseOutput(const std::string& target) : target_(target) {
+PoseOutput::PoseOutput(const std::string& target, std::optional<slam::Mounting> body)
+    : target_(target), body_(std::move(body)) {
   if (target.empty()) return;
   std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone is an error of the write
   if (target == "-") {
@@ -63,8 +64,9 @@ PoseOutput::~PoseOutput() {
 
 void PoseOutput::add(const slam::FrameResult& frame) {
   if (descriptor_ < 0 || frame.tracking.state != slam::TrackingState::tracking) return;
-  const Eigen::Quaterniond q(frame.T_wc.rotation);
-  const Eigen::Vector3d& t = frame.T_wc.translation;
+  const slam::SE3 pose = body_ ? slam::pose_of_body(*body_, frame.T_wc) : frame.T_wc;
+  const Eigen::Quaterniond q(pose.rotation);
+  const Eigen::Vector3d& t = pose.translation;
   const std::string line = fmt::format("{:.9f} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n",
                                        frame.timestamp, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   for (std::size_t done = 0; done < line.size();) {

@@ -2,8 +2,10 @@
 // once.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "slam/geometry/mounting.h"
 #include "slam/pipeline/slam.h"
 
 namespace penumbra::apps {
@@ -11,8 +13,9 @@ namespace penumbra::apps {
 class PoseOutput {
  public:
   // `target`: "-" for standard output, from which all else is then turned to standard error; or a unix socket
-  // that listens, unix:PATH; empty: nowhere. Throws Error where it cannot be reached.
-  explicit PoseOutput(const std::string& target);
+  // that listens, unix:PATH; empty: nowhere. Poses are those of `body`, or else of the camera. Throws Error
+  // where it cannot be reached.
+  PoseOutput(const std::string& target, std::optional<slam::Mounting> body);
   ~PoseOutput();
   PoseOutput(const PoseOutput&) = delete;
   PoseOutput& operator=(const PoseOutput&) = delete;
@@ -24,6 +27,7 @@ class PoseOutput {
  private:
   int descriptor_ = -1;
   const std::string target_;
+  const std::optional<slam::Mounting> body_;
 };
 
 }  // namespace penumbra::apps

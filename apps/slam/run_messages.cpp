@@ -44,16 +44,6 @@ void put_pose(MessageWriter& message, const slam::SE3& T) {
   put_rotation(message, T.rotation);
 }
 
-std::string transform_message(std::int64_t time, std::string_view parent, std::string_view child,
-                              const slam::SE3& T) {
-  MessageWriter message;
-  message.number(std::uint32_t{1});
-  message.header(time, parent);
-  message.text(child);
-  put_pose(message, T);
-  return message.bytes();
-}
-
 }  // namespace
 
 const MessageType kPoseStamped = {
@@ -91,19 +81,19 @@ const MessageType kOccupancyGrid = {
                 kPoint,
                 kQuaternion})};
 
-std::string pose_message(std::int64_t time, const slam::SE3& T_map_camera) {
+std::string pose_message(std::int64_t time, std::string_view frame, const slam::SE3& pose) {
   MessageWriter message;
-  message.header(time, "map");
-  put_pose(message, T_map_camera);
+  message.header(time, frame);
+  put_pose(message, pose);
   return message.bytes();
 }
 
-std::string path_message(std::int64_t time, const slam::Trajectory& poses) {
+std::string path_message(std::int64_t time, std::string_view frame, const slam::Trajectory& poses) {
   MessageWriter message;
-  message.header(time, "map");
+  message.header(time, frame);
   message.number(static_cast<std::uint32_t>(poses.size()));
   for (const slam::TimedPose& pose : poses) {
-    message.header(nanoseconds_of(pose.timestamp), "map");
+    message.header(nanoseconds_of(pose.timestamp), frame);
     put_pose(message, pose.T_wc);
   }
   return message.bytes();
@@ -138,15 +128,21 @@ std::string cloud_message(std::int64_t time, const std::vector<slam::PlyVertex>&
   return message.bytes();
 }
 
-std::string camera_transform_message(std::int64_t time, const slam::SE3& T_map_camera) {
-  return transform_message(time, "map", "camera", T_map_camera);
+std::string transforms_message(std::int64_t time, const std::vector<Transform>& transforms) {
+  MessageWriter message;
+  message.number(static_cast<std::uint32_t>(transforms.size()));
+  for (const Transform& transform : transforms) {
+    message.header(time, transform.parent);
+    message.text(transform.child);
+    put_pose(message, transform.T_parent_child);
+  }
+  return message.bytes();
 }
 
-std::string world_transform_message(std::int64_t time) {
+slam::SE3 z_up() {
   slam::SE3 T_world_map;
   T_world_map.rotation << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  T_world_map.translation.setZero();
-  return transform_message(time, "world", "map", T_world_map);
+  return T_world_map;
 }
 
 std::string jpeg_message(std::int64_t time, std::string_view jpeg) {
@@ -177,10 +173,6 @@ std::string plan_message(std::int64_t time, const slam::OccupancyGrid& plan) {
   }
   message.byte_list(cells);
   return message.bytes();
-}
-
-std::string plan_transform_message(std::int64_t time, const slam::OccupancyGrid& plan) {
-  return transform_message(time, "map", "plan", plan.T_plan_world.inverse());
 }
 
 std::int64_t nanoseconds_of(double seconds) { return std::llround(seconds * 1e9); }

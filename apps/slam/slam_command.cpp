@@ -33,6 +33,7 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam my_camera --step 2 --out out/mine             images and a calibration.yaml (docs/datasets.md)
   penumbra slam run.bag --out out/run                         ROS 1 bag, MCAP, rosbag2 (docs/recordings.md)
   penumbra slam run.mcap --left-topic /cam0/image_raw --right-topic /cam1/image_raw --camera rig.yaml --out out/run
+  penumbra slam run.mcap --body base_link --out out/run       and the poses of the robot's base (penumbra info run.mcap lists its frames)
   penumbra slam monday --save-map yard.map --out out/monday
   penumbra slam tuesday --load-map yard.map --save-map yard.map --out out/tuesday      go on building the map
   penumbra slam wednesday --load-map yard.map --localise --out out/wednesday           only find the way in it
@@ -42,8 +43,11 @@ constexpr const char* kSlamExamples = R"(Examples:
   penumbra slam kitti --sequence 00 --out out/00 --view       watch it: a page on http://127.0.0.1:8080/, for this machine alone
   penumbra slam kitti --sequence 00 --out out/00 --profile    and where the processor's time went
 
+Reads KITTI (odometry, raw, 360), EuRoC, TUM-VI, TUM RGB-D, ETH3D, Bonn, OpenLORIS, Virtual KITTI 2, TartanAir, 4Seasons, ICL-NUIM and
+RobotCar as they are downloaded; ROS 1 bags, MCAP, rosbag2; folders of images; streams and cameras (docs/datasets.md).
+
 Writes into the --out folder: trajectory_kitti.txt (camera poses, one a frame; predicted where it is lost),
-trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), map.ply (points and keyframes), trajectory.svg (seen from above), run.json (settings, counts, times,
+trajectory_tum.txt (the frames that were located), keyframes_tum.txt (the keyframes' alone), with --body: body_tum.txt (of the body where the camera was located), map.ply (points and keyframes), trajectory.svg (seen from above), run.json (settings, counts, times,
 loops, errors against the ground truth), frames.json (the same frame by frame), gallery (keyframes with their features); with --dense: dense.ply, dense.pcd, plan.pgm, plan.yaml. `penumbra report` makes a page of them; with
 --view the page is there while the run goes on.
 
@@ -76,9 +80,16 @@ void add_slam_command(CLI::App& app) {
                     "of a stream: it waits until a frame is done (default: the newest wins, the others are "
                     "dropped and counted)");
   command
+      ->add_option(
+          "--body", options->body,
+          "frame of the robot, such as base_link or imu, whose poses are written, too (body_tum.txt), "
+          "go to --poses, and are compared with the ground truth: by /tf_static of a recording, or by "
+          "the calibration")
+      ->type_name("FRAME");
+  command
       ->add_option("--poses", options->poses,
-                   "write the pose of each located frame at once, as a TUM line: - for standard output, or "
-                   "unix:PATH of a socket that listens")
+                   "write the pose of each located frame (of --body) at once, as a TUM line: - for standard "
+                   "output, or unix:PATH of a socket that listens")
       ->type_name("WHERE");
   command
       ->add_option(
@@ -224,7 +235,7 @@ void add_slam_command(CLI::App& app) {
   command
       ->add_option("--grid-resolution", options->grid_resolution,
                    "side of the plan's cells; of pairs the voxels are half of it (default: 0.05 m, of pairs "
-                   "0.4 baselines, rounded)")
+                   "what depth tells apart at 24 baselines)")
       ->check(number_from(0.001, 100.0, "metres from 0.001 to 100"))
       ->needs(dense)
       ->type_name("METRES");

@@ -13,6 +13,7 @@
 #include "apps/view/frames_report.h"
 #include "apps/view/keyframe_gallery.h"
 #include "apps/view/run_truth.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/quantile.h"
@@ -53,6 +54,8 @@ void write_data(ResultWriter& writer, const ResultPlaces& places, const slam::Re
   write_path("trajectory_tum.txt", estimate, as_tum);
   write_path("keyframes_tum.txt", record.slam().keyframe_trajectory(), as_tum);
   write_path("ground_truth_tum.txt", truth, as_tum);
+  write_path("body_tum.txt", run.body ? slam::poses_of_body(*run.body, estimate) : slam::Trajectory(),
+             as_tum);
   writer.write([&] { nn::write_file(places.out / "run.json", to_text(slam_report(run, record))); });
   writer.write([&] { nn::write_file(places.out / "frames.json", frames_report(record).dump() + "\n"); });
   if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, record.slam().map()); });
@@ -71,10 +74,10 @@ void write_dense(ResultWriter& writer, const std::filesystem::path& out, slam::D
   run.dense = dense_report(map, record.slam().settings().dense);
   writer.write([&] { slam::write_dense_ply(out / "dense.ply", map.voxels, map.classes); });
   writer.write([&] { slam::write_pcd(out / "dense.pcd", map.voxels); });
-  if (map.plan) {
-    writer.write([&] { slam::write_occupancy(out / "plan", *map.plan); });
-  } else {
-    log_warning("no floor was found in the dense map: there is no plan of it");
+  if (map.plan) writer.write([&] { slam::write_occupancy(out / "plan", *map.plan); });
+  if (const std::string doubt = plan_doubt(map, record.slam().settings().dense); !doubt.empty()) {
+    run.warnings.push_back(doubt);
+    log_warning("{}", doubt);
   }
 }
 
@@ -98,7 +101,10 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
   const slam::Trajectory estimate = located(record);
   const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
   const slam::Trajectory& truth = pair.reference;
-  run.evaluation = evaluate_run(pair);
+  run.evaluation =
+      evaluate_run(run.body ? slam::TrajectoryPair{slam::poses_of_body(*run.body, pair.reference),
+                                                   slam::poses_of_body(*run.body, pair.estimate)}
+                            : pair);
   ResultWriter writer;
   write_dense(writer, out, dense, record, run);
   write_data(writer, places, record, estimate, truth, run, places.save_map);
@@ -130,6 +136,13 @@ void write_checkpoint(const ResultPlaces& places, const slam::Recorder& record, 
   writer.throw_failures();
 }
 
+std::string body_text(const slam::Mounting& body) {
+  const Eigen::Vector3d& t = body.T_frame_camera.translation;
+  return fmt::format(
+      "poses of {} are written, too: in its frame the left camera is at {:.3f} {:.3f} {:.3f} m", body.frame,
+      t.x(), t.y(), t.z());
+}
+
 void warn_of_pieces(const slam::Recorder& record) {
   const std::vector<slam::SubmapSummary> submaps = record.submaps();
   for (std::size_t i = 1; i < submaps.size(); ++i) {
@@ -155,10 +168,13 @@ void warn_of_late_masks(const slam::Recorder& record, SlamRun& run) {
 }
 
 void print_summary(const nlohmann::json& report, const std::filesystem::path& out) {
-  fmt::print("{}: {} frames, {} tracked, {} lost, {} keyframes, {} map points, {:.1f} ms a frame (median)\n",
-             report["dataset"].get<std::string>(), report["frames"].get<int>(), report["tracked"].get<int>(),
-             report["lost"].get<int>(), report["keyframes"].get<int>(), report["map_points"].get<int>(),
-             report.value("median_ms", 0.0));
+  const auto count_of = [&](const char* key, const char* one) {
+    return counted(report[key].get<std::uint64_t>(), one);
+  };
+  fmt::print("{}: {}, {} tracked, {} lost, {}, {}, {:.1f} ms a frame (median)\n",
+             report["dataset"].get<std::string>(), count_of("frames", "frame"), report["tracked"].get<int>(),
+             report["lost"].get<int>(), count_of("keyframes", "keyframe"),
+             count_of("map_points", "map point"), report.value("median_ms", 0.0));
   if (report["tracked"].get<int>() > 1) {
     fmt::print("{:.1f} m, {:.2f} m/s on average; features at {:.2g} m (median)\n",
                report["path_m"].get<double>(), report["mean_speed_mps"].get<double>(),
@@ -174,7 +190,8 @@ void print_summary(const nlohmann::json& report, const std::filesystem::path& ou
   }
   if (report.contains("ground_truth")) {
     const nlohmann::json& truth = report["ground_truth"];
-    fmt::print("against the ground truth ({:.1f} m): APE {:.3f} m rmse", truth["path_m"].get<double>(),
+    const std::string of = report.contains("body") ? report["body"]["frame"].get<std::string>() + ", " : "";
+    fmt::print("against the ground truth ({}{:.1f} m): APE {:.3f} m rmse", of, truth["path_m"].get<double>(),
                truth["ape_rmse_m"].get<double>());
     if (truth.contains("t_rel_percent")) {
       fmt::print(", drift {:.2f} % and {:.2f} deg/100 m", truth["t_rel_percent"].get<double>(),

@@ -32,6 +32,9 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
 // write_results does.
 void write_checkpoint(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run);
 
+// Where the body stands to the camera, for people.
+std::string body_text(const slam::Mounting& body);
+
 // Says which pieces of the map nothing ties to the first: they stand where they were guessed.
 void warn_of_pieces(const slam::Recorder& record);
 

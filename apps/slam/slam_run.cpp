@@ -119,6 +119,10 @@ void run_slam(const SlamOptions& options) {
   run.dataset = dataset.name();
   for (const std::string& note : dataset.notes()) log_warning("{}: {}", options.dataset.folder, note);
   run.warnings = dataset.notes();
+  if (!options.body.empty()) {
+    run.body = slam::mounting_of(options.body, dataset.mountings(), "--body: " + options.dataset.folder);
+    log_info("{}", body_text(*run.body));
+  }
   const std::optional<LoadedNetwork> loaded = find_network(options, settings.semantics);
   if (loaded && !options.least_score && options.settings.empty())
     settings.semantics.instances.least_score = least_score_of(*loaded);

@@ -46,6 +46,14 @@ nlohmann::json ground_truth_json(const slam::Evaluation& e) {
   return json;
 }
 
+// [R t], row by row.
+nlohmann::json rows_json(const slam::SE3& T) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (int row = 0; row < 3; ++row)
+    rows.push_back({T.rotation(row, 0), T.rotation(row, 1), T.rotation(row, 2), T.translation[row]});
+  return rows;
+}
+
 const char* name_of(slam::MotionState state) {
   switch (state) {
     case slam::MotionState::fixed:
@@ -183,17 +191,35 @@ nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings
   json["views"] = map.views;
   json["megabytes"] = to_a_thousandth(1e-6 * static_cast<double>(map.bytes));
   json["floor"] = map.floor.has_value();
+  json["depth_to_m"] = to_a_thousandth(settings.fusion.farthest);
+  json["cell_m"] = settings.plan.cell;
+  if (map.floor) json["floor_from_m"] = to_a_thousandth(map.floor_from);
   if (map.plan) {
     using Grid = slam::OccupancyGrid;
     json["plan_cells"] = {{"free", map.plan->count(Grid::kFree)},
                           {"blocked", map.plan->count(Grid::kBlocked)},
                           {"unknown", map.plan->count(Grid::kUnknown)}};
-    const slam::SE3& T = map.plan->T_plan_world;
-    for (int row = 0; row < 3; ++row)
-      json["plan_from_map"].push_back(
-          {T.rotation(row, 0), T.rotation(row, 1), T.rotation(row, 2), T.translation[row]});
+    json["plan_from_map"] = rows_json(map.plan->T_plan_world);
   }
   return json;
+}
+
+std::string plan_doubt(const slam::DenseMap& map, const slam::DenseSettings& settings) {
+  constexpr double kStrip = 1.5;  // of where the floor begins
+  const double reach = settings.fusion.farthest;
+  const std::string figures =
+      fmt::format("depth counts as far as {:.3g} m with cells of {:g} m", reach, settings.plan.cell);
+  // What a cell twice as large would give a pair.
+  const std::string help =
+      fmt::format("a larger --grid-resolution lets it count farther, as {:g} about {:.3g} m of a pair",
+                  2.0 * settings.plan.cell, std::sqrt(2.0) * reach);
+  if (!map.plan)
+    return fmt::format("no floor was found in the dense map, and there is no plan of it; {}; {}", figures,
+                       help);
+  if (map.floor_from > 0.0 && reach < kStrip * map.floor_from)
+    return fmt::format("the floor comes into the images {:.3g} m ahead, and {}: the plan is of a strip; {}",
+                       map.floor_from, figures, help);
+  return {};
 }
 
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
@@ -220,6 +246,8 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   if (!run.finished) json["unfinished"] = true;
   if (!run.error.empty()) json["error"] = run.error;
   json["warnings"] = run.warnings;
+  if (run.body)
+    json["body"] = {{"frame", run.body->frame}, {"body_from_camera", rows_json(run.body->T_frame_camera)}};
   if (!run.stream.is_null()) json["stream"] = run.stream;
   if (!run.why_lost.empty()) json["why_lost"] = run.why_lost;
   json["settings"] = settings_json(run, record.slam().settings());

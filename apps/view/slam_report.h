@@ -13,14 +13,15 @@
 namespace penumbra::apps {
 
 struct SlamRun {
-  std::string dataset;               // its name
-  std::string segmentation = "off";  // which frames, as on the command line
-  bool finished = false;             // false: a checkpoint, the map's worker is still at it
-  std::size_t peak_arena_bytes = 0;  // of the network's activations
-  double cpu_seconds = 0.0;          // of all threads, from the first frame to the finished map
-  StageTimer input_times;            // of the thread that reads the images
-  StageTimer dense_times;            // of depth from pairs of images, for the dense map
-  double peak_rss_mb = 0.0;          // of the process
+  std::string dataset;                 // its name
+  std::optional<slam::Mounting> body;  // of --body
+  std::string segmentation = "off";    // which frames, as on the command line
+  bool finished = false;               // false: a checkpoint, the map's worker is still at it
+  std::size_t peak_arena_bytes = 0;    // of the network's activations
+  double cpu_seconds = 0.0;            // of all threads, from the first frame to the finished map
+  StageTimer input_times;              // of the thread that reads the images
+  StageTimer dense_times;              // of depth from pairs of images, for the dense map
+  double peak_rss_mb = 0.0;            // of the process
   std::vector<int> unreadable_frames;
   std::vector<std::string> warnings;           // what is probably wrong (slam/pipeline/run_check.h)
   std::string why_lost;                        // empty where all frames were located
@@ -32,26 +33,31 @@ struct SlamRun {
 };
 
 // Keys: dataset, command (to repeat the run), version, unfinished (at a checkpoint), error, warnings,
-// why_lost, stream (frames, dropped, mean_delay_s and longest_delay_s until a frame was taken), settings,
-// frames, tracked, lost, lost_frames, unreadable_frames, path_m, mean_speed_mps (of the frames that were
-// located), median_depth_m (of the features), keyframes (of this run), loaded_keyframes (of the map that it
-// began with), map_points, uncertain_points (of these, that are left out of map.ply), movable_features,
-// occluded_frames, instances (objects and their states), masks_late_s (from a frame that was segmented to the
-// first that knew of it: median, most), peak_arena_bytes (with segmentation), median_ms, p95_ms,
-// cpu_ms_per_frame (of all threads), processor_ms (the same by thread and stage, see processor_times.h),
-// peak_rss_mb, stages (medians in ms), mismatch_filter (kept, removed), ground_truth (APE, drift; of the
-// located frames) where there is one, loops (pairs of frames, the later first), loop_closures (every
-// correction of the map, with what is known of it), recognised_places (frame, earlier frame, points, and
-// objects where the points alone had not been enough), submaps (pieces of the map that are not tied to each
-// other, see slam/pipeline/slam.h), keyframe_frames, covisibility (frame, earlier frame, points that both
-// keyframes see), dense (see dense_report; where one was made). The thread that calls Slam::process() may
-// ask, also before finish().
+// why_lost, body (with --body: frame, body_from_camera: rows of [R t] that take points of the left camera to
+// it; ground_truth is then compared with its poses), stream (frames, dropped, mean_delay_s and
+// longest_delay_s until a frame was taken), settings, frames, tracked, lost, lost_frames, unreadable_frames,
+// path_m, mean_speed_mps (of the frames that were located), median_depth_m (of the features), keyframes (of
+// this run), loaded_keyframes (of the map that it began with), map_points, uncertain_points (of these, that
+// are left out of map.ply), movable_features, occluded_frames, instances (objects and their states),
+// masks_late_s (from a frame that was segmented to the first that knew of it: median, most), peak_arena_bytes
+// (with segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all threads), processor_ms (the same by thread
+// and stage, see processor_times.h), peak_rss_mb, stages (medians in ms), mismatch_filter (kept, removed),
+// ground_truth (APE, drift; of the located frames) where there is one, loops (pairs of frames, the later
+// first), loop_closures (every correction of the map, with what is known of it), recognised_places (frame,
+// earlier frame, points, and objects where the points alone had not been enough), submaps (pieces of the map
+// that are not tied to each other, see slam/pipeline/slam.h), keyframe_frames, covisibility (frame, earlier
+// frame, points that both keyframes see), dense (see dense_report; where one was made). The thread that calls
+// Slam::process() may ask, also before finish().
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record);
 
 // Of a dense map: voxels, voxel_m, classes (names, their numbers are their places), views, megabytes, floor
-// (whether one was found), plan_cells (free, blocked, unknown), plan_from_map (rows of [R t]: from the map's
-// world, in which trajectories and clouds are, to the plan's).
+// (whether one was found), depth_to_m (how far depth counts), cell_m (of the plan), floor_from_m (where the
+// floor comes into the images; with a floor), plan_cells (free, blocked, unknown), plan_from_map (rows of [R
+// t]: from the map's world, in which trajectories and clouds are, to the plan's).
 nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings& settings);
+
+// What is doubtful about it: no floor, or a plan of a strip, with how far depth counted. Empty: nothing.
+std::string plan_doubt(const slam::DenseMap& map, const slam::DenseSettings& settings);
 
 // The loops in which this run came to a place of its own again: pairs of frames, the later first.
 nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/geometry/pose_table.h"
@@ -135,8 +136,8 @@ Trajectory read_timed(const PoseTable& table, TimeRule rule, const QuaternionCol
   if (backwards > 0) {
     std::stable_sort(trajectory.begin(), trajectory.end(),
                      [](const TimedPose& a, const TimedPose& b) { return a.timestamp < b.timestamp; });
-    say(notes,
-        fmt::format("{}: time goes back in {} lines; the poses are sorted by time", table.path, backwards));
+    say(notes, fmt::format("{}: time goes back in {}; the poses are sorted by time", table.path,
+                           counted(static_cast<std::uint64_t>(backwards), "line")));
   }
   return trajectory;
 }

@@ -6,6 +6,7 @@
 #include <set>
 #include <shared_mutex>
 
+#include "nn/base/quantile.h"
 #include "slam/dynamics/movable.h"
 #include "slam/map/dense/displaced.h"
 
@@ -18,6 +19,18 @@ constexpr int kMostStanding = 30;                           // ... of which no m
 constexpr double kAlikeMetres = 0.3, kAlikeDegrees = 15.0;  // between views that show much the same
 constexpr double kDegrees = 180.0 / 3.14159265358979;
 constexpr std::size_t kMostClasses = kMoves;  // numbers below it
+
+// How far along the viewing direction the floor comes into the image at the middle of its lowest row: the
+// median of the cameras that see it there.
+double floor_from(const StereoCamera& camera, const FloorPlane& floor, const std::vector<SE3>& cameras) {
+  const Eigen::Vector3d lowest(0.0, (camera.height - 1 - camera.cy) / camera.fy, 1.0);
+  std::vector<double> distances;
+  for (const SE3& T_wc : cameras) {
+    const double falls = -floor.normal.dot(T_wc.rotation * lowest);
+    if (falls > 0.0) distances.push_back(floor.height(T_wc.translation) / falls);
+  }
+  return distances.empty() ? 0.0 : quantile_of(distances, 0.5);
+}
 
 }  // namespace
 
@@ -187,6 +200,7 @@ DenseMap DenseMapper::build(const Recorder& record) {
   for (const PosedView& view : views) cameras.push_back(view.T_wc);
   constexpr double kFloorShare = 0.25;  // of the height from which on something blocks
   map.floor = find_floor(places, cameras, kFloorShare * settings_.plan.lowest);
+  if (map.floor) map.floor_from = floor_from(record.slam().map().camera(), *map.floor, cameras);
   if (map.floor) map.plan = occupancy_of(map.voxels, *map.floor, cameras.front(), settings_.plan);
   return map;
 }

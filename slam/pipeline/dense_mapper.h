@@ -32,6 +32,8 @@ struct DenseMap {
   std::vector<std::string> classes;   // by number; 0: none
   std::optional<FloorPlane> floor;    // none where none was found
   std::optional<OccupancyGrid> plan;  // where there is a floor
+  double floor_from =
+      0.0;  // metres ahead of the cameras from where on they see it (median); 0: never, or no floor
   int views = 0;
   std::size_t bytes = 0;  // of views and voxels
 };

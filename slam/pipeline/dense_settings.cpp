@@ -14,6 +14,14 @@ double round_number(double x) {
   return ten * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
 }
 
+// How much smaller a pair is matched.
+int shrink_of(const StereoCamera& camera) {
+  constexpr double kMatched = 29'000.0;  // pixels
+  constexpr int kMost = 4;
+  const double pixels = static_cast<double>(camera.width) * camera.height;
+  return std::clamp(static_cast<int>(std::lround(std::sqrt(pixels / kMatched))), 1, kMost);
+}
+
 template <class T>
 void set_where_0(T& number, T value) {
   if (number == T{}) number = value;
@@ -32,11 +40,12 @@ void derive_rgbd(DenseSettings& s) {
 }
 
 void derive_stereo(DenseSettings& s, const StereoCamera& camera) {
-  constexpr double kCellPerBaseline = 0.4, kSigmaCells = 2.0;
-  set_where_0(s.plan.cell, round_number(kCellPerBaseline * camera.baseline));
+  constexpr double kBaselines = 24.0, kSigmaCells = 2.0;
+  set_where_0(s.fusion.depth_noise, s.stereo.noise * s.stereo.shrink / (camera.fx * camera.baseline));
+  const double reach = kBaselines * camera.baseline;
+  set_where_0(s.plan.cell, round_number(s.fusion.depth_noise * reach * reach / kSigmaCells));
   set_where_0(s.plan.lowest, std::max(0.1, 1.5 * s.plan.cell));
   set_where_0(s.fusion.voxel, 0.5 * s.plan.cell);
-  set_where_0(s.fusion.depth_noise, s.stereo.noise * s.stereo.shrink / (camera.fx * camera.baseline));
   set_where_0(s.fusion.farthest, std::sqrt(kSigmaCells * s.plan.cell / s.fusion.depth_noise));
   set_where_0(s.fusion.fewest_views, 2);
   set_where_0(s.least_metres, s.plan.cell);
@@ -45,6 +54,7 @@ void derive_stereo(DenseSettings& s, const StereoCamera& camera) {
 }  // namespace
 
 DenseSettings with_derived(DenseSettings settings, Sensor sensor, const StereoCamera& camera) {
+  set_where_0(settings.stereo.shrink, shrink_of(camera));
   if (sensor == Sensor::rgbd) {
     derive_rgbd(settings);
   } else {

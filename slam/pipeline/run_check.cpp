@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "nn/base/counted.h"
 #include "nn/base/quantile.h"
 
 namespace penumbra::slam {
@@ -165,7 +166,8 @@ std::string RunCheck::why_lost() const {
   const auto reason = static_cast<LostReason>(most - lost_for_);
   const bool is_half = frames_ >= kFramesForShare && 2 * lost_ > frames_;
   std::string text =
-      fmt::format("{} of {} frames {} not located ({}){}", lost_, frames_, lost_ == 1 ? "was" : "were",
+      fmt::format("{} of {} {} not located ({}){}", lost_,
+                  counted(static_cast<std::uint64_t>(frames_), "frame"), lost_ == 1 ? "was" : "were",
                   first_lost_ == last_lost_ ? fmt::format("frame {}", first_lost_)
                                             : fmt::format("frames {} to {}", first_lost_, last_lost_),
                   is_half ? ", more than half" : "");

@@ -172,7 +172,8 @@ void add(FieldList f, DenseSettings& s) {
   plan.number("highest", s.plan.highest, "metres above the floor", -10.0, 100.0);
   plan.count("fewest_voxels", s.plan.fewest_voxels, "voxels", 1.0);
   FieldList stereo = f.group("stereo");
-  stereo.number("shrink", s.stereo.shrink, "sides of the pair to those that are matched", 1.0, 64.0);
+  stereo.by_sensor("shrink", s.stereo.shrink, "sides of the pair to those that are matched; 0: by the sensor",
+                   1.0, 64.0);
   stereo.number("disparities", s.stereo.disparities, "pixels of the pair", 1.0, 4096.0);
   stereo.number("noise", s.stereo.noise, "sigma, pixels that are matched", 0.001, 100.0);
   stereo.number("slope_penalty", s.stereo.match.penalties.slope, "bits", 0.0, 1000.0);

@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "slam/geometry/time_unit.h"
@@ -30,11 +32,18 @@ std::string described(const BagIndex& index) {
   constexpr std::size_t kShown = 8;
   for (std::size_t i = 0; i < std::min(kShown, index.images.size()); ++i) {
     const ImageTopic& t = index.images[i];
-    text += fmt::format("{}{} ({}, {} images)", i == 0 ? "" : ", ", printable(t.name, 100),
-                        printable(t.format, 40), t.images.size());
+    text += fmt::format("{}{} ({}, {})", i == 0 ? "" : ", ", printable(t.name, 100), printable(t.format, 40),
+                        counted(t.images.size(), "image"));
   }
   if (index.images.size() > kShown) text += fmt::format(" and {} more", index.images.size() - kShown);
   return text.empty() ? "no topic with images" : text;
+}
+
+// T_frame_left of every frame in which the left camera, or that beside the depth, stands still.
+std::map<std::string, SE3> frames_of(const BagIndex& index, const ChosenTopics& topics) {
+  std::string frame = topics.left->frame;
+  if (frame.empty() && topics.left_camera != nullptr) frame = topics.left_camera->info.frame;
+  return frame.empty() ? std::map<std::string, SE3>() : fixed_frames(index.fixed, frame);
 }
 
 // What was odd about a topic's times and messages.
@@ -42,16 +51,17 @@ void note_topic(const ImageTopic& topic, std::vector<std::string>& notes) {
   const std::string name = printable(topic.name, 100);
   const std::size_t all = topic.images.size();
   if (topic.without_stamp > 0) {
-    notes.push_back(fmt::format("{}: {} of {} headers have no time; the time of recording is taken", name,
-                                topic.without_stamp, all));
+    notes.push_back(fmt::format("{}: {} of {} without a time; the time of recording is taken", name,
+                                topic.without_stamp, counted(all, "header")));
   }
   if (topic.backwards > 0) {
-    notes.push_back(fmt::format(
-        "{}: times go back in {} places of the file; images are taken in the order of their times", name,
-        topic.backwards));
+    notes.push_back(
+        fmt::format("{}: times go back in {} of the file; images are taken in the order of their times", name,
+                    counted(topic.backwards, "place")));
   }
   if (topic.damaged > 0)
-    notes.push_back(fmt::format("{}: {} messages are no whole images and are left out", name, topic.damaged));
+    notes.push_back(
+        fmt::format("{}: left out: {} without a whole image", name, counted(topic.damaged, "message")));
 }
 
 // Times and places of a topic's images, of several with one time the first.
@@ -68,8 +78,8 @@ struct TimedImages {
     }
     const std::size_t repeated = topic.images.size() - places.size();
     if (repeated > 0)
-      list.notes.push_back(fmt::format("{}: {} images have the time of the one before and are left out",
-                                       printable(topic.name, 100), repeated));
+      list.notes.push_back(fmt::format("{}: left out: {} with the time of the one before",
+                                       printable(topic.name, 100), counted(repeated, "image")));
   }
 };
 
@@ -105,8 +115,9 @@ RecordedCamera camera_of(const BagIndex& index, const ChosenTopics& topics, cons
   const bool are_rectified = says_rectified(topics.left->name) && says_rectified(topics.second->name);
   if (!has_baseline(left.info, right.info)) {
     if (const auto T_right_left = fixed_transform(index.fixed, right.info.frame, left.info.frame)) {
-      notes.push_back(fmt::format("the cameras do not say how far they are apart; /tf_static does: {:.4g} m",
-                                  T_right_left->translation.norm()));
+      notes.push_back(
+          fmt::format("the cameras do not say how far they are apart; the fixed frames of tf do: {:.4g} m",
+                      T_right_left->translation.norm()));
       return stereo_camera_at(left, right, *T_right_left, are_rectified);
     }
   }
@@ -120,8 +131,8 @@ void note_camera(const ChosenTopics& topics, const DatasetOptions& options, std:
   if (!options.camera.empty()) return;
   for (const CameraTopic* camera : {topics.left_camera, topics.second_camera}) {
     if (camera != nullptr && camera->changes > 0)
-      notes.push_back(fmt::format("{}: {} messages say something else than the first, which is taken",
-                                  printable(camera->name, 100), camera->changes));
+      notes.push_back(fmt::format("{}: the first is taken, and {} that said something else left out",
+                                  printable(camera->name, 100), counted(camera->changes, "message")));
   }
 }
 
@@ -144,13 +155,15 @@ std::unique_ptr<StereoDataset> open_bag_recording(const fs::path& path, const Da
         found);
   }
   Recording recording;
-  const RecordedCamera camera = camera_of(index, *topics, options, place, recording.notes);
+  RecordedCamera camera = camera_of(index, *topics, options, place, recording.notes);
+  for (const auto& [frame, T_frame_left] : frames_of(index, *topics)) camera.stands({frame, T_frame_left});
   const bool rgbd = topics->sensor == Sensor::rgbd;
 
   recording.name = fmt::format("{} {}", source->kind(), path.filename().string());
   recording.place = place;
   recording.sensor = topics->sensor;
   recording.camera = camera.camera;
+  recording.mountings = std::move(camera.mountings);
   recording.left = camera.left;
   recording.right = camera.right;
   recording.colour = colour_of(options.cameras, rgbd ? nn::ImageColour::bgr : nn::ImageColour::grey);
@@ -191,8 +204,10 @@ BagSummary summarise_bag(const fs::path& path) {
   std::stable_sort(summary.topics.begin(), summary.topics.end(),
                    [](const Topic& a, const Topic& b) { return a.name < b.name; });
   summary.notes = source->notes();
-  if (const auto topics = choose_topics(index, {}, path.string(), summary.reason))
+  if (const auto topics = choose_topics(index, {}, path.string(), summary.reason)) {
     summary.taken = topics->text();
+    for (const auto& [frame, T_frame_left] : frames_of(index, *topics)) summary.frames.push_back(frame);
+  }
   return summary;
 }
 

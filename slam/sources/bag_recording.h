@@ -25,10 +25,11 @@ std::unique_ptr<StereoDataset> open_bag_recording(const std::filesystem::path& p
 // What is in a recording, for `penumbra info`.
 struct BagSummary {
   std::string kind;
-  std::vector<Topic> topics;       // in the order of their names
-  std::vector<std::string> notes;  // of the file
-  std::string taken;               // the topics that open_bag_recording would take; empty: none
-  std::string reason;              // why none, where it is known
+  std::vector<Topic> topics;        // in the order of their names
+  std::vector<std::string> notes;   // of the file
+  std::string taken;                // the topics that open_bag_recording would take; empty: none
+  std::vector<std::string> frames;  // in which the left camera stands still
+  std::string reason;               // why none, where it is known
 };
 BagSummary summarise_bag(const std::filesystem::path& path);
 

@@ -15,7 +15,7 @@ constexpr double kLeastRatio = 0.9, kMostRatio = 1.0 / 0.9;  // fx / fy
 
 }  // namespace
 
-std::vector<std::string> check_camera(const StereoCamera& camera) {
+std::vector<std::string> check_camera(const StereoCamera& camera, bool is_undone) {
   std::vector<std::string> found;
   const double x = camera.cx / camera.width, y = camera.cy / camera.height;
   const auto is_in_middle = [](double share) { return share >= kMiddleBegin && share <= kMiddleEnd; };
@@ -37,7 +37,7 @@ std::vector<std::string> check_camera(const StereoCamera& camera) {
                     field, camera.fx, camera.width));
   }
   const double ratio = camera.fx / camera.fy;
-  if (!(ratio >= kLeastRatio && ratio <= kMostRatio)) {
+  if (!is_undone && !(ratio >= kLeastRatio && ratio <= kMostRatio)) {
     found.push_back(fmt::format(
         "pixels would not be square: fx = {:.6g}, fy = {:.6g}. Are the intrinsics in another order than "
         "fx, fy, cx, cy, or were the images stretched?",

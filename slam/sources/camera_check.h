@@ -3,7 +3,7 @@
 //
 //   principal point outside the middle half of the image
 //   horizontal field of view below 15 or above 150 degrees
-//   fx and fy more than a tenth apart
+//   fx and fy more than a tenth apart, unless a lens was undone, which may stretch the image
 #pragma once
 
 #include <string>
@@ -14,6 +14,6 @@
 namespace penumbra::slam {
 
 // A sentence for each; none for a camera that can be. `camera` has width and height.
-std::vector<std::string> check_camera(const StereoCamera& camera);
+std::vector<std::string> check_camera(const StereoCamera& camera, bool is_undone = false);
 
 }  // namespace penumbra::slam

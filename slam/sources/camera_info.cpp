@@ -86,15 +86,25 @@ LensCamera lens_of(const SaidCamera& said, bool name_says_rectified) {
   return lens;
 }
 
-Eigen::Matrix3d rotation_of(const SaidCamera& said) {
+Eigen::Matrix3d matrix_of(const std::array<double, 9>& rows) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+}
+
+// By how much it is not orthonormal.
+double skewness_of(const Eigen::Matrix3d& R) {
+  return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+}
+bool is_rotation(const std::array<double, 9>& rows) {
   constexpr double kTolerance = 1e-4;
-  const Eigen::Matrix3d R =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(said.info.R.data());
-  const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= kTolerance) || R.determinant() < 0.0)
+  const Eigen::Matrix3d R = matrix_of(rows);
+  return skewness_of(R) <= kTolerance && R.determinant() > 0.0;
+}
+
+Eigen::Matrix3d rotation_of(const SaidCamera& said) {
+  if (!is_rotation(said.info.R))
     throw InputError(said.topic, "a rotation R, to rectify raw images by (or --camera FILE)",
-                     fmt::format("a matrix that is off by {:g}", off));
-  return R;
+                     fmt::format("a matrix that is off by {:g}", skewness_of(matrix_of(said.info.R))));
+  return matrix_of(said.info.R);
 }
 
 bool has_nothing_to_rectify(const CameraInfoMessage& i) {
@@ -143,6 +153,7 @@ RecordedCamera camera_of_P(const SaidCamera& left, const SaidCamera& right) {
   }
   // stereoRectify without CALIB_ZERO_DISPARITY: points at infinity lie at another column.
   made.camera.disparity_offset = (l[2] - r[2]) / window.by_x;
+  if (is_rotation(left.info.R)) made.R_rectified_left = matrix_of(left.info.R);
   return made;
 }
 
@@ -186,7 +197,9 @@ RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right,
                          R_right * T_right_left.translation};
   }
   file.place = right.topic;
-  return make_camera(file);
+  RecordedCamera made = make_camera(file);
+  if (names_say_rectified) made.R_rectified_left = made.R_rectified_left * rotation_of(left);
+  return made;
 }
 
 RecordedCamera rgbd_camera(const SaidCamera& said, bool name_says_rectified) {

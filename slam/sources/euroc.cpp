@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,18 +36,18 @@ Trajectory find_ground_truth(const fs::path& mav, Notes* notes) {
 
 struct RawPair {
   LensCamera left, right;
-  SE3 T_right_left, T_body_left;
-  std::string place;  // of T_right_left, for messages
+  SE3 T_right_left;
+  std::string place;                    // of T_right_left, for messages
+  std::optional<Mounting> on_the_body;  // of the left camera
 };
 
 // Of TUM-VI, whose lenses are in Kalibr's file. The body is the inertial sensor.
 RawPair read_camchain(const fs::path& path, Notes& notes) {
   const CameraFile file = read_camera_file(path);
   if (file.rectified) throw InputError(path.string(), "cam0 and cam1", "one camera");
-  RawPair pair{file.left, file.right, file.T_right_left, {}, file.place};
-  const YamlFile yaml(path);
-  if (yaml.has("cam0.T_cam_imu")) {
-    pair.T_body_left = read_transform(yaml, "cam0.T_cam_imu").inverse();
+  RawPair pair{file.left, file.right, file.T_right_left, file.place, std::nullopt};
+  if (!file.mountings.empty()) {
+    pair.on_the_body = file.mountings.front();
   } else {
     notes.push_back(fmt::format("{}: has no T_cam_imu; ground truth is taken for that of the left camera",
                                 path.string()));
@@ -63,7 +64,8 @@ RawPair read_cameras(const fs::path& mav, Notes& notes) {
     }
   }
   const EurocCamera left = read_euroc_camera(left_file), right = read_euroc_camera(right_file);
-  return {left.lens, right.lens, right.T_BS.inverse() * left.T_BS, left.T_BS, right_file.string()};
+  return {left.lens, right.lens, right.T_BS.inverse() * left.T_BS, right_file.string(),
+          Mounting{"body", left.T_BS}};
 }
 
 }  // namespace
@@ -100,8 +102,11 @@ std::unique_ptr<StereoDataset> open_euroc(const fs::path& path, const DatasetOpt
                                 folders[0] / "data" / left_images[l].name,
                                 folders[1] / "data" / right_images[r].name});
   }
-  const SE3 T_B_rectified =
-      pair.T_body_left * SE3{rectification.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
+  SE3 T_B_rectified{rectification.R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
+  if (pair.on_the_body) {
+    T_B_rectified = pair.on_the_body->T_frame_camera * T_B_rectified;
+    recording.mountings.push_back({pair.on_the_body->frame, T_B_rectified});
+  }
   recording.ground_truth = find_ground_truth(mav, &recording.notes);
   for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * T_B_rectified;
   return open_recording(std::move(recording), options);

@@ -2,8 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <map>
-#include <string>
+#include <vector>
 
 namespace penumbra::slam {
 
@@ -22,30 +21,43 @@ std::optional<SE3> motion_of(const TransformMessage& transform) {
   return SE3{rotation.normalized().toRotationMatrix(), translation};
 }
 
+struct Neighbour {
+  std::string frame;
+  SE3 T_neighbour_frame;
+};
+
 }  // namespace
+
+std::map<std::string, SE3> fixed_frames(std::span<const TransformMessage> transforms, std::string_view from) {
+  std::multimap<std::string, Neighbour> neighbours;  // of each frame: its parent and its children
+  for (const TransformMessage& transform : transforms) {
+    const std::optional<SE3> T_parent_child = motion_of(transform);
+    if (!T_parent_child) continue;
+    const std::string parent = plain(transform.parent), child = plain(transform.child);
+    neighbours.emplace(child, Neighbour{parent, *T_parent_child});
+    neighbours.emplace(parent, Neighbour{child, T_parent_child->inverse()});
+  }
+  std::map<std::string, SE3> reached{{plain(from), SE3{}}};
+  std::vector<std::string> open{plain(from)};
+  while (!open.empty()) {
+    const std::string frame = std::move(open.back());
+    open.pop_back();
+    const SE3 T_frame_from = reached.at(frame);
+    const auto [begin, end] = neighbours.equal_range(frame);
+    for (auto at = begin; at != end; ++at) {
+      const Neighbour& next = at->second;
+      if (reached.emplace(next.frame, next.T_neighbour_frame * T_frame_from).second)
+        open.push_back(next.frame);
+    }
+  }
+  return reached;
+}
 
 std::optional<SE3> fixed_transform(std::span<const TransformMessage> transforms, std::string_view to,
                                    std::string_view from) {
-  std::map<std::string, SE3> to_reached{{plain(to), SE3{}}};  // T_to_frame
-  const std::string wanted = plain(from);
-  for (bool is_new = true; is_new && !to_reached.contains(wanted);) {
-    is_new = false;
-    for (const TransformMessage& transform : transforms) {
-      const std::string parent = plain(transform.parent), child = plain(transform.child);
-      const auto at_parent = to_reached.find(parent), at_child = to_reached.find(child);
-      if ((at_parent == to_reached.end()) == (at_child == to_reached.end())) continue;
-      const std::optional<SE3> T_parent_child = motion_of(transform);
-      if (!T_parent_child) continue;
-      is_new = true;
-      if (at_child == to_reached.end()) {
-        to_reached[child] = at_parent->second * *T_parent_child;
-      } else {
-        to_reached[parent] = at_child->second * T_parent_child->inverse();
-      }
-    }
-  }
-  const auto found = to_reached.find(wanted);
-  if (found == to_reached.end()) return std::nullopt;
+  const std::map<std::string, SE3> reached = fixed_frames(transforms, from);
+  const auto found = reached.find(plain(to));
+  if (found == reached.end()) return std::nullopt;
   return found->second;
 }
 

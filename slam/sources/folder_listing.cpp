@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/natural_order.h"
 #include "nn/base/text.h"
@@ -66,8 +67,8 @@ std::vector<fs::path> list_images(const fs::path& folder, std::vector<std::strin
   }
   if (!images.empty()) {
     if (!foreign.empty()) {
-      notes.push_back(fmt::format("{}: {} images are of a kind that is not read and are left out, first {}",
-                                  folder.string(), foreign.size(),
+      notes.push_back(fmt::format("{}: left out: {} of a kind that is not read, first {}", folder.string(),
+                                  counted(foreign.size(), "image"),
                                   printable(foreign.front().filename().string(), 60)));
     }
     return images;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/number_file.h"
 #include "nn/base/text.h"
@@ -69,9 +70,8 @@ void keep_increasing(ImageList& list, const std::string& file, const std::vector
   }
   const std::size_t left_out = list.images.size() - kept.size();
   if (left_out > 0) {
-    list.notes.push_back(
-        fmt::format("{}: {} images have the time of the one before and are left out, first {}", file,
-                    left_out, printable(first_left_out, kLongestQuote)));
+    list.notes.push_back(fmt::format("{}: left out: {} with the time of the one before, first {}", file,
+                                     counted(left_out, "image"), printable(first_left_out, kLongestQuote)));
   }
   list.images = std::move(kept);
 }
@@ -153,9 +153,9 @@ std::vector<TimePair> pair_by_time(const ImageList& first, const ImageList& seco
   }
   const std::size_t alone = first.images.size() + second.images.size() - 2 * pairs.size();
   if (alone > 0) {
-    notes.push_back(fmt::format(
-        "{} pairs of {} {} and {} {}; {} images without a partner within {:g} s are left out", pairs.size(),
-        first.images.size(), texts.first, second.images.size(), texts.second, alone, within));
+    notes.push_back(fmt::format("{} of {} {} and {} {}; left out: {} without a partner within {:g} s",
+                                counted(pairs.size(), "pair"), first.images.size(), texts.first,
+                                second.images.size(), texts.second, counted(alone, "image"), within));
   }
   return pairs;
 }

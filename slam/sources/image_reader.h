@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "nn/image/bayer.h"
 #include "nn/image/image_file.h"
 #include "nn/image/stored_image.h"
 
@@ -37,5 +38,8 @@ class ImageReader {
 
 // Files; `depth_factor`: levels a metre of depth images.
 std::shared_ptr<const ImageReader> file_images(double depth_factor = 1.0);
+// Files whose pixels stood behind a mosaic of filters, where they have one channel; files in colour as they
+// are.
+std::shared_ptr<const ImageReader> mosaic_images(BayerPattern pattern);
 
 }  // namespace penumbra::slam

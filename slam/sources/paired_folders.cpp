@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/image/image_file.h"
 #include "slam/geometry/trajectory_io.h"
@@ -125,7 +126,7 @@ std::unique_ptr<StereoDataset> open_paired_folders(PairedFolders folders, const 
     take_size({first.width / (folders.side_by_side ? 2 : 1), first.height}, folders.camera);
   }
   note_other_size(images.first[images.pairs.front().first].path, folders);
-  const RecordedCamera camera = make_camera(folders.camera);
+  const RecordedCamera camera = folders.made ? *folders.made : make_camera(folders.camera);
 
   Recording recording;
   recording.name = folders.name;
@@ -133,9 +134,11 @@ std::unique_ptr<StereoDataset> open_paired_folders(PairedFolders folders, const 
   recording.sensor = folders.camera.sensor;
   recording.side_by_side = folders.side_by_side;
   recording.camera = camera.camera;
+  recording.mountings = camera.mountings;
   recording.left = camera.left;
   recording.right = camera.right;
-  recording.images = file_images(folders.camera.depth_factor);
+  recording.images =
+      folders.mosaic ? mosaic_images(*folders.mosaic) : file_images(folders.camera.depth_factor);
   recording.colour = colour_of(
       options.cameras, folders.camera.colour.value_or(rgbd) ? nn::ImageColour::bgr : nn::ImageColour::grey);
   for (const Notes& notes : {folders.notes, folders.camera.notes, images.notes})
@@ -146,7 +149,7 @@ std::unique_ptr<StereoDataset> open_paired_folders(PairedFolders folders, const 
   }
   if (images.alone > 0)
     recording.notes.push_back(
-        fmt::format("{} images without a partner of the same name are left out", images.alone));
+        fmt::format("left out: {} without a partner of the same name", counted(images.alone, "image")));
   set_times(folders, images, options.frame_rate, recording);
   recording.ground_truth = truth_of_pairs(folders, images, recording.frames);
   sort_by_time(recording);

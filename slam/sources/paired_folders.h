@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "nn/image/bayer.h"
 #include "slam/geometry/trajectory.h"
 #include "slam/sources/calibration/calibration.h"
 #include "slam/sources/open_dataset.h"
@@ -27,6 +28,8 @@ struct PairedFolders {
   std::filesystem::path first, second;  // folders of images
   bool side_by_side = false;            // one folder, of images that show both
   CameraFile camera;
+  std::optional<RecordedCamera> made;  // in place of what `camera` makes, where tables undo the lenses
+  std::optional<BayerPattern> mosaic;  // of the filters before the pixels of grey files
   std::optional<Size> made_for;  // images of another size are read with a warning: `camera` may not be theirs
   ImageLines<double> times;      // seconds; without: in the names, or from the rate
   std::optional<double> rate;    // Hz, of the layout, where neither times nor the user tell

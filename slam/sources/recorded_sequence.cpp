@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/image/exif.h"
@@ -54,7 +55,8 @@ class RecordedSequence final : public StereoDataset {
       r_.camera.width = size.width;
       r_.camera.height = size.height;
     }
-    for (std::string& text : check_camera(r_.camera)) r_.notes.push_back(std::move(text));
+    for (std::string& text : check_camera(r_.camera, !r_.left.is_identity()))
+      r_.notes.push_back(std::move(text));
     check_rows(readable);
   }
 
@@ -65,6 +67,7 @@ class RecordedSequence final : public StereoDataset {
   int frame_number(int i) const override { return frame(i).index; }
   double timestamp(int i) const override { return frame(i).timestamp; }
   const std::optional<Trajectory>& ground_truth() const override { return ground_truth_; }
+  const std::vector<Mounting>& mountings() const override { return r_.mountings; }
   const std::vector<std::string>& notes() const override { return r_.notes; }
 
   StereoImages load(int i) const override {
@@ -114,8 +117,8 @@ class RecordedSequence final : public StereoDataset {
     const std::string name = fs::path(r_.images->name(std::next(first)->left)).filename().string();
     const std::size_t count = r_.frames.size();
     r_.frames.erase(std::unique(r_.frames.begin(), r_.frames.end(), is_repeated), r_.frames.end());
-    r_.notes.push_back(fmt::format("{} frames have the time of the frame before and are left out, first {}",
-                                   count - r_.frames.size(), printable(name, 60)));
+    r_.notes.push_back(fmt::format("left out: {} with the time of the frame before, first {}",
+                                   counted(count - r_.frames.size(), "frame"), printable(name, 60)));
   }
 
   // The first frame whose images can be read, which shows what all are like: torn ones before it cost only
@@ -172,9 +175,10 @@ class RecordedSequence final : public StereoDataset {
     if (gaps == 0) return;
     const auto longest = std::max_element(steps.begin(), steps.end());
     r_.notes.push_back(
-        fmt::format("frames are missing in {} places: the longest gap, of {:.3g} s, is after frame {}; "
+        fmt::format("frames are missing in {}: the longest gap, of {:.3g} s, is after frame {}; "
                     "frames are usually {:.3g} s apart",
-                    gaps, *longest, frame(static_cast<int>(longest - steps.begin())).index, usual));
+                    counted(static_cast<std::uint64_t>(gaps), "place"), *longest,
+                    frame(static_cast<int>(longest - steps.begin())).index, usual));
   }
 
   // One pair tells, if it shows enough; the second and third are looked at where it does not.

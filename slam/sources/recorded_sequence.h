@@ -32,7 +32,8 @@ struct Recording {
   StereoCamera camera;  // of the rectified images; width 0: as the first image
   Remap left, right;    // to rectified images
   nn::ImageColour colour = nn::ImageColour::grey;
-  Trajectory ground_truth;  // T_wc of the left rectified camera, at any times; empty: none
+  Trajectory ground_truth;          // T_wc of the left rectified camera, at any times; empty: none
+  std::vector<Mounting> mountings;  // of the left rectified camera
   std::vector<std::string> notes;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nn/image/image.h"
+#include "slam/geometry/mounting.h"
 #include "slam/geometry/sensor.h"
 #include "slam/geometry/stereo_camera.h"
 #include "slam/geometry/trajectory.h"
@@ -43,6 +44,9 @@ class StereoDataset {
   // T_wc of the left rectified camera, where the dataset has ground truth: at most one pose a frame, with the
   // frame's time; frames whose pose is not known have none.
   virtual const std::optional<Trajectory>& ground_truth() const = 0;
+  // Frames of what carries the camera in which the left rectified camera stands still, as far as they are
+  // known.
+  virtual const std::vector<Mounting>& mountings() const = 0;
   // What the user should know about the recording: frames that are missing, images without a partner.
   virtual const std::vector<std::string>& notes() const = 0;
 };

@@ -110,20 +110,16 @@ CameraFile find_camera(const fs::path& folder, const std::string& names) {
                    fmt::format("neither in '{}'", names));
 }
 
-// OpenLORIS' truth is the path of the robot's base: what it says of its cameras makes it theirs.
-void carry_to_camera(const fs::path& folder, const RecordedCamera& camera, Recording& recording) {
-  const fs::path file = folder / "trans_matrix.yaml";
-  const std::optional<SE3> T_base_camera = is_present(file) ? read_openloris_mounting(file) : std::nullopt;
-  if (!T_base_camera) {
-    recording.notes.push_back(
+// OpenLORIS' truth is the path of the robot's base: where its camera stands there makes it the camera's.
+void carry_to_camera(Recording& recording) {
+  if (recording.mountings.empty()) {
+    recording.notes.emplace_back(
         "the ground truth is the path of the robot's base, and no trans_matrix.yaml says where its camera "
-        "is: "
-        "errors have the way between them in");
+        "is: errors have the way between them in");
     return;
   }
-  SE3 T_left_rectified;
-  T_left_rectified.rotation = camera.R_rectified_left.transpose();
-  for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * *T_base_camera * T_left_rectified;
+  const SE3& T_base_camera = recording.mountings.front().T_frame_camera;
+  for (TimedPose& pose : recording.ground_truth) pose.T_wc = pose.T_wc * T_base_camera;
 }
 
 }  // namespace
@@ -142,7 +138,11 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   const ImageList depth_list = read_tum_image_list(folder / lists.depth);
   const std::vector<ListedImage>&colour = colour_list.images, &depth = depth_list.images;
   const CameraFile file = find_camera(folder, names_of(path, folder));
-  const RecordedCamera camera = make_camera(file);
+  RecordedCamera camera = make_camera(file);
+  if (const fs::path mounting = folder / "trans_matrix.yaml"; is_openloris(folder) && is_present(mounting)) {
+    if (const auto T_base_camera = read_openloris_mounting(mounting))
+      camera.stands({"base_link", *T_base_camera});
+  }
 
   const double pair_within = options.pair_within.value_or(kSameTime);
   Recording recording;
@@ -152,6 +152,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   recording.place = folder.string();
   recording.sensor = Sensor::rgbd;
   recording.camera = camera.camera;
+  recording.mountings = camera.mountings;
   recording.left = camera.left;
   recording.images = file_images(file.depth_factor);
   recording.notes.insert(recording.notes.end(), file.notes.begin(), file.notes.end());
@@ -165,7 +166,7 @@ std::unique_ptr<StereoDataset> open_tum(const fs::path& path, const DatasetOptio
   }
   if (is_present(folder / "groundtruth.txt")) {
     recording.ground_truth = read_tum_trajectory(folder / "groundtruth.txt", &recording.notes);
-    if (is_openloris(folder)) carry_to_camera(folder, camera, recording);
+    if (is_openloris(folder)) carry_to_camera(recording);
   }
   return open_recording(std::move(recording), options);
 }

@@ -11,9 +11,13 @@
 #include <sstream>
 
 #include "nn/image/image_file.h"
+#include "slam/geometry/mounting.h"
+#include "slam/geometry/trajectory_io.h"
 #include "slam/map/ply.h"
 #include "slam/sources/bag/chunk_packing.h"
 #include "slam/sources/bag/message_source.h"
+#include "slam/sources/bag/messages.h"
+#include "slam/sources/fixed_frames.h"
 #include "slam/sources/open_dataset.h"
 #include "tests/support/bag_files.h"
 #include "tests/support/test_data.h"
@@ -116,16 +120,44 @@ INSTANTIATE_TEST_SUITE_P(Writers, RecordedStreet,
                            return fmt::format("{}_{}", info.param.writer, info.param.kind);
                          });
 
+// Poses and path of a run with --body are the body's in its own world, and the camera hangs on it.
+void expect_body_in_export(const fs::path& run, const fs::path& mcap, const slam::Mounting& body) {
+  const ProgramResult result = run_penumbra(fmt::format("export {} --mcap {}", run.string(), mcap.string()));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto source = slam::open_bag(mcap);
+  std::vector<slam::TransformMessage> fixed, moving;
+  source->read_all([&](const slam::Message& message) {
+    const std::string& topic = source->topics()[message.topic].name;
+    if (topic != "/tf" && topic != "/tf_static") return;
+    auto& all = topic == "/tf" ? moving : fixed;
+    for (const slam::TransformMessage& t :
+         slam::read_transforms(message.bytes, slam::MessageEncoding::cdr, topic))
+      all.push_back(t);
+  });
+  ASSERT_EQ(fixed.size(), 2U);
+  EXPECT_EQ(fixed[0].parent + " " + fixed[0].child, "world map");
+  EXPECT_EQ(fixed[1].parent + " " + fixed[1].child, body.frame + " camera");
+  const slam::Trajectory poses = slam::read_tum_trajectory(run / "trajectory_tum.txt");
+  ASSERT_EQ(moving.size(), poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    std::vector<slam::TransformMessage> all = fixed;
+    all.push_back(moving[i]);
+    const auto T_map_camera = slam::fixed_transform(all, "map", "camera");
+    ASSERT_TRUE(T_map_camera);
+    EXPECT_LT((T_map_camera->inverse() * poses[i].T_wc).log().norm(), 1e-6);
+  }
+}
+
 // An office seen by a depth camera: colour and metres as messages of ROS 2.
 TEST(BagCommands, ARecordingWithDepthGivesTheTrajectoryOfItsFolder) {
   const TemporaryDirectory folder;
   const fs::path office = folder / "office", mcap = folder / "office.mcap";
-  ASSERT_EQ(
-      run_penumbra(fmt::format("synth --sensor rgbd --size 320x240 --frames 8 --out {}", office.string()))
-          .exit_code,
-      0);
+  ASSERT_EQ(run_penumbra(fmt::format("synth --scene office --preset desk --size 320x240 --frames 8 --out {}",
+                                     office.string()))
+                .exit_code,
+            0);
   // A header with the time 0, the first frame's, would be one without: a second later.
-  for (const char* name : {"rgb.txt", "depth.txt"}) {
+  for (const char* name : {"rgb.txt", "depth.txt", "groundtruth.txt"}) {
     std::istringstream lines(read_file(office / name));
     std::string later;
     for (std::string line; std::getline(lines, line);) {
@@ -141,8 +173,16 @@ TEST(BagCommands, ARecordingWithDepthGivesTheTrajectoryOfItsFolder) {
              height = static_cast<std::uint32_t>(camera.height);
   CameraParts said = pinhole(width, height, camera.fx);
   said.K = {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
+  // It stands on a robot, 20 cm ahead of its base and 1 m above it, and looks ahead; which both say.
+  const slam::Mounting robot{
+      "base_link", {(Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished(), {0.2, 0.0, 1.0}}};
+  const TransformParts on_the_robot{"base_link", "camera", {0.2, 0.0, 1.0}, {-0.5, 0.5, -0.5, 0.5}};
+  write_file(office / "calibration.yaml",
+             read_file(office / "calibration.yaml") +
+                 "body: base_link\nT_body_left: [0, 0, 1, 0.2, -1, 0, 0, 0, 0, -1, 0, 1]\n");
   std::vector<BagMessage> messages = {
-      {"/camera/rgb/camera_info", "sensor_msgs/CameraInfo", 0, camera_message(Wire::cdr, said)}};
+      {"/camera/rgb/camera_info", "sensor_msgs/CameraInfo", 0, camera_message(Wire::cdr, said)},
+      {"/tf_static", "tf2_msgs/TFMessage", 0, transforms_message(Wire::cdr, {on_the_robot})}};
   for (int i = 0; i < dataset->size(); ++i) {
     const slam::StereoImages images = dataset->load(i);
     ImageParts colour, depth;
@@ -159,15 +199,48 @@ TEST(BagCommands, ARecordingWithDepthGivesTheTrajectoryOfItsFolder) {
     messages.push_back({"/camera/rgb/image_color", "sensor_msgs/Image", 5, image_message(Wire::cdr, colour)});
   }
   write_file(mcap, mcap_file(messages, "cdr"));
-  std::string trajectories[2];
+  std::string trajectories[2], of_the_body[2];
   for (const fs::path& source : {office, mcap}) {
     const fs::path out = folder / ("run_" + source.filename().string());
-    const ProgramResult run = run_penumbra(
-        fmt::format("slam {} --deterministic --threads 1 --out {}", source.string(), out.string()));
+    const ProgramResult run =
+        run_penumbra(fmt::format("slam {} --deterministic --threads 1 --body base_link --poses - --out {}",
+                                 source.string(), out.string()));
     ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(run.err.find("poses of base_link"), std::string::npos) << run.err;
     trajectories[source == mcap ? 1 : 0] = read_file(out / "trajectory_tum.txt");
+    of_the_body[source == mcap ? 1 : 0] = read_file(out / "body_tum.txt");
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), dataset->size());
   }
   EXPECT_EQ(trajectories[0], trajectories[1]);
+  EXPECT_EQ(of_the_body[0], of_the_body[1]);
+  const slam::Trajectory camera_path =
+                             slam::read_tum_trajectory(folder / "run_office" / "trajectory_tum.txt"),
+                         body_path = slam::read_tum_trajectory(folder / "run_office" / "body_tum.txt");
+  ASSERT_EQ(body_path.size(), camera_path.size());
+  EXPECT_LT(body_path.front().T_wc.log().norm(), 1e-9);
+  for (std::size_t i = 0; i < body_path.size(); ++i) {
+    // Where the camera is by both, seen from where the body began.
+    const Eigen::Vector3d by_body = body_path[i].T_wc * robot.T_frame_camera.translation,
+                          by_camera = robot.T_frame_camera * camera_path[i].T_wc.translation;
+    EXPECT_LT((by_body - by_camera).norm(), 1e-6);
+  }
+  // Against truth that is of the body, too.
+  slam::Trajectory truth = *dataset->ground_truth();
+  for (slam::TimedPose& pose : truth) pose.T_wc = pose.T_wc * robot.T_frame_camera.inverse();
+  slam::write_tum_trajectory(folder / "truth.txt", truth);
+  const nlohmann::json evaluated = nlohmann::json::parse(
+      run_penumbra(fmt::format("eval --groundtruth {} --estimate {} --json", (folder / "truth.txt").string(),
+                               (folder / "run_office" / "body_tum.txt").string()))
+          .out);
+  const nlohmann::json report = nlohmann::json::parse(read_file(folder / "run_office" / "run.json"));
+  EXPECT_NEAR(report["ground_truth"]["ape_rmse_m"].get<double>(), evaluated["ape_m"]["rmse"].get<double>(),
+              1e-6);
+  EXPECT_EQ(report["body"]["frame"], "base_link");
+  const ProgramResult unknown =
+      run_penumbra(fmt::format("slam {} --body imu --out {}", mcap.string(), (folder / "none").string()));
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_NE(unknown.err.find("base_link, camera"), std::string::npos) << unknown.err;
+  expect_body_in_export(folder / "run_office", folder / "run.mcap", robot);
 }
 
 TEST(BagCommands, InfoListsTopicsWithCountsAndRates) {
@@ -180,7 +253,7 @@ TEST(BagCommands, InfoListsTopicsWithCountsAndRates) {
   EXPECT_EQ(table.exit_code, 0);
   EXPECT_NE(table.out.find("/chatter"), std::string::npos);
   EXPECT_NE(table.out.find("4.00"), std::string::npos) << table.out;
-  EXPECT_NE(table.out.find("ROS 1 bag, 1 topics, 5 messages"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("ROS 1 bag, 1 topic, 5 messages"), std::string::npos) << table.out;
   EXPECT_NE(table.out.find("no two topics"), std::string::npos);
   const ProgramResult refused =
       run_penumbra(fmt::format("slam {} --out {}", (folder / "run.bag").string(), (folder / "out").string()));

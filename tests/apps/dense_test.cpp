@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/view/slam_report.h"
 #include "nn/image/image_file.h"
 #include "slam/map/dense/cloud_files.h"
 #include "slam/map/dense/occupancy_grid.h"
@@ -99,6 +100,10 @@ TEST_F(DenseRun, MapsAStreetFromPairsOfImages) {
   const nlohmann::json run = nlohmann::json::parse(test::read_file(street + "_run/run.json"));
   EXPECT_NEAR(run["dense"]["voxel_m"].get<double>(), 0.125, 1e-9);
   EXPECT_GT(run["stages"]["stereo_depth"], 0.0);
+  EXPECT_EQ(run["dense"]["cell_m"], 0.25);
+  EXPECT_NEAR(run["dense"]["depth_to_m"].get<double>(), 14.0, 1.0);
+  // Its camera is 1.65 m above the road and sees it from 6 m on.
+  EXPECT_NEAR(run["dense"]["floor_from_m"].get<double>(), 6.2, 0.5);
   EXPECT_NE(test::read_file(street + "_run/plan.yaml").find("resolution: 0.25\n"), std::string::npos);
   const auto eval = test::run_penumbra(fmt::format("eval-dense '{0}_run' --truth '{0}' --json", street));
   ASSERT_EQ(eval.exit_code, 0) << eval.err;
@@ -125,6 +130,25 @@ TEST_F(DenseRun, MapsAStreetFromPairsOfImages) {
     if (source->topics()[message.topic].name == "/plan") plans += message.bytes.ends_with(cells);
   });
   EXPECT_EQ(plans, 1);
+}
+
+// How far depth counts and where the floor begins say why there is no plan, or little of it.
+TEST(PlanDoubt, HasTheFigures) {
+  slam::DenseSettings settings;
+  settings.plan.cell = 0.1;
+  settings.fusion.farthest = 6.5;
+  slam::DenseMap map{.voxels = slam::VoxelGrid(0.05), .classes = {}, .floor = {}, .plan = {}};
+  const std::string none = apps::plan_doubt(map, settings);
+  EXPECT_NE(none.find("no floor was found"), std::string::npos) << none;
+  EXPECT_NE(none.find("6.5 m with cells of 0.1 m"), std::string::npos) << none;
+  EXPECT_NE(none.find("as 0.2 about 9.19 m"), std::string::npos) << none;
+  map.floor.emplace();
+  map.plan.emplace();
+  map.floor_from = 6.2;
+  const std::string strip = apps::plan_doubt(map, settings);
+  EXPECT_NE(strip.find("6.2 m ahead"), std::string::npos) << strip;
+  settings.fusion.farthest = 12.5;
+  EXPECT_EQ(apps::plan_doubt(map, settings), "");
 }
 
 TEST_F(DenseRun, RefusesWhatHasNoTruth) {

@@ -28,6 +28,16 @@ CameraParts pinhole(std::uint32_t width, std::uint32_t height, double f, double 
   return camera;
 }
 
+std::string transforms_message(Wire wire, const std::vector<TransformParts>& transforms) {
+  MessageBytes bytes(wire);
+  bytes.number(static_cast<std::uint32_t>(transforms.size()));
+  for (const TransformParts& transform : transforms) {
+    bytes.header(0, transform.parent).text(transform.child);
+    bytes.numbers(transform.at).numbers(transform.rotation);
+  }
+  return bytes.bytes();
+}
+
 std::string camera_message(Wire wire, const CameraParts& camera) {
   MessageBytes bytes(wire);
   bytes.header(1, camera.frame).number(camera.height).number(camera.width).text(camera.model);

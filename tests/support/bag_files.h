@@ -88,6 +88,14 @@ struct CameraParts {
 CameraParts pinhole(std::uint32_t width, std::uint32_t height, double f, double Tx = 0.0);
 std::string camera_message(Wire wire, const CameraParts& camera);
 
+// tf2_msgs/TFMessage.
+struct TransformParts {
+  std::string parent, child;
+  std::array<double, 3> at{};
+  std::array<double, 4> rotation{0, 0, 0, 1};  // quaternion x y z w
+};
+std::string transforms_message(Wire wire, const std::vector<TransformParts>& transforms);
+
 struct BagMessage {
   std::string topic, type;  // "sensor_msgs/Image"
   std::int64_t time = 0;    // of recording, nanoseconds

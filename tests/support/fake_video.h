@@ -30,7 +30,7 @@ struct FakeCamera {
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   bool is_busy = false;
   bool is_there = true;
-  std::uint32_t quantization = V4L2_QUANTIZATION_LIM_RANGE;
+  std::uint32_t quantization = V4L2_QUANTIZATION_LIM_RANGE, colorspace = V4L2_COLORSPACE_SRGB;
 
   struct Frame {
     double time = 0.0;  // seconds on the monotonic clock
@@ -180,6 +180,7 @@ class FakeVideo final : public slam::VideoCalls {
     pix.pixelformat = format.code;
     pix.field = V4L2_FIELD_NONE;
     pix.quantization = camera.quantization;
+    pix.colorspace = camera.colorspace;
     const std::uint32_t pixel = format.code == V4L2_PIX_FMT_GREY ? 1U : 2U;
     pix.bytesperline = format.code == V4L2_PIX_FMT_MJPEG ? 0U : pixel * format.width + format.padding;
   }

@@ -1,6 +1,7 @@
 #include "slam/sources/bag/bag_index.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "nn/base/error.h"
@@ -9,6 +10,19 @@
 namespace penumbra::slam {
 
 namespace {
+
+bool is_same_place(const TransformMessage& a, const TransformMessage& b) {
+  constexpr double kMetres = 1e-4, kRadians = 1e-4;
+  const auto farthest = [](const auto& u, const auto& v, double sign) {
+    double most = 0.0;
+    for (std::size_t i = 0; i < u.size(); ++i) most = std::max(most, std::abs(u[i] - sign * v[i]));
+    return most;
+  };
+  // q and -q are one rotation; half its angle is in q.
+  const double turn =
+      2.0 * std::min(farthest(a.rotation, b.rotation, 1.0), farthest(a.rotation, b.rotation, -1.0));
+  return a.parent == b.parent && farthest(a.translation, b.translation, 1.0) <= kMetres && turn <= kRadians;
+}
 
 class Indexer {
  public:
@@ -22,8 +36,7 @@ class Indexer {
       take_image(message, topic, encoding);
     } else if (topic.type == "sensor_msgs/CameraInfo") {
       take_camera(message, topic, encoding);
-    } else if (topic.name.ends_with("tf_static") &&
-               (topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage")) {
+    } else if (topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage") {
       take_transforms(message, topic, encoding);
     }
   }
@@ -37,7 +50,9 @@ class Indexer {
       index.images.push_back(std::move(images));
     }
     for (auto& [topic, camera] : cameras_) index.cameras.push_back(std::move(camera));
-    for (auto& [child, transform] : fixed_) index.fixed.push_back(std::move(transform));
+    for (auto& [child, frame] : frames_) {
+      if (!frame.moves) index.fixed.push_back(std::move(frame.transform));
+    }
     const auto by_name = [](const auto& a, const auto& b) { return a.name < b.name; };
     std::stable_sort(index.images.begin(), index.images.end(), by_name);
     std::stable_sort(index.cameras.begin(), index.cameras.end(), by_name);
@@ -103,17 +118,34 @@ class Indexer {
 
   void take_transforms(const Message& message, const Topic& topic, MessageEncoding encoding) {
     constexpr std::size_t kMost = 10'000;  // frames of a robot
+    const bool is_static = topic.name.ends_with("tf_static");
     try {
       for (TransformMessage& transform : read_transforms(message.bytes, encoding, topic.name)) {
-        if (fixed_.size() < kMost) fixed_[transform.child] = std::move(transform);
+        if (frames_.size() < kMost || frames_.contains(transform.child)) take_transform(transform, is_static);
       }
     } catch (const InputError&) {
       return;
     }
   }
 
+  // What /tf_static says is the last word; of /tf a frame that ever moves does not stand.
+  void take_transform(TransformMessage& transform, bool is_static) {
+    const auto [at, is_new] = frames_.try_emplace(transform.child);
+    Frame& frame = at->second;
+    if (is_new || is_static) {
+      frame = {std::move(transform), is_static, false};
+    } else if (!frame.is_static) {
+      frame.moves = frame.moves || !is_same_place(frame.transform, transform);
+    }
+  }
+
+  struct Frame {
+    TransformMessage transform;
+    bool is_static = false, moves = false;
+  };
+
   const MessageSource& source_;
-  std::map<std::string, TransformMessage> fixed_;  // by the frame that stands somewhere
+  std::map<std::string, Frame> frames_;  // by the frame that stands in another
   std::map<std::size_t, ImageTopic> images_;
   std::map<std::size_t, CameraTopic> cameras_;
 };

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "nn/base/counted.h"
 #include "nn/base/text.h"
 
 namespace penumbra::slam {
@@ -32,9 +33,9 @@ void ChunkedSource::hand_on(std::size_t topic, std::int64_t time, std::string_vi
 }
 
 void ChunkedSource::note_cut(std::uint64_t at) {
-  notes_.push_back(fmt::format(
-      "{}: cut off or damaged at byte {} of {}: the {} whole chunks before it are used, with {} messages",
-      file_.name(), at, file_.bytes().size(), chunks_, messages_));
+  notes_.push_back(fmt::format("{}: cut off or damaged at byte {} of {}; used: {} before it, with {}",
+                               file_.name(), at, file_.bytes().size(), counted(chunks_, "whole chunk"),
+                               counted(messages_, "message")));
 }
 
 void ChunkedSource::note_damaged(const InputError& error) {
@@ -43,9 +44,8 @@ void ChunkedSource::note_damaged(const InputError& error) {
 
 void ChunkedSource::note_damage() {
   if (damaged_ == 0) return;
-  notes_.push_back(
-      fmt::format("{} chunks or records are damaged; what is whole of them is used; the first: {}", damaged_,
-                  first_damage_));
+  notes_.push_back(fmt::format("damaged: {}; what is whole is used; the first: {}",
+                               counted(damaged_, "chunk or record", "chunks or records"), first_damage_));
 }
 
 }  // namespace penumbra::slam

@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 
+#include "nn/base/counted.h"
 #include "nn/base/crc32.h"
 #include "nn/base/text.h"
 #include "slam/sources/bag/chunk_packing.h"
@@ -147,8 +148,8 @@ class Mcap final : public ChunkedSource {
   void check_end(std::string_view content, std::uint32_t crc, std::string_view rest) {
     const auto expected = McapFields(content, file_.name()).number<std::uint32_t>();
     if (!rest.ends_with(kMcapMagic)) {
-      notes_.push_back(
-          fmt::format("{}: its end is missing: all of its {} messages are used", file_.name(), messages_));
+      notes_.push_back(fmt::format("{}: its end is missing; used: {}, all that there are", file_.name(),
+                                   counted(messages_, "message")));
     }
     if (expected == 0 || expected == crc) return;
     notes_.push_back(fmt::format("{}: the check sum of its data is wrong: what is in no chunk may be damaged",

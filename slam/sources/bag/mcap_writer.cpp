@@ -1,5 +1,7 @@
 #include "slam/sources/bag/mcap_writer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "nn/base/crc32.h"
@@ -21,6 +23,17 @@ void put_map(ByteWriter& content, const std::map<std::uint16_t, std::uint64_t>& 
     content.put(key);
     content.put(value);
   }
+}
+// As rosbag2 keeps what a publisher offered: a YAML list of one profile. Numbers are those of rmw's
+// enumerations, which every version reads: keep last, reliable, volatile or transient local, automatic
+// liveliness.
+std::string quality_of(Offered offered) {
+  const bool lasts = offered == Offered::to_late_comers;
+  constexpr const char* kEndless = "    sec: 9223372036\n    nsec: 854775807\n";
+  return fmt::format(
+      "- history: 1\n  depth: {}\n  reliability: 1\n  durability: {}\n  deadline:\n{}  lifespan:\n{}"
+      "  liveliness: 1\n  liveliness_lease_duration:\n{}  avoid_ros_namespace_conventions: false",
+      lasts ? 1 : 10, lasts ? 1 : 2, kEndless, kEndless, kEndless);
 }
 std::string mcap_record(McapOp op, std::string_view content) {
   ByteWriter record;
@@ -49,7 +62,7 @@ void McapWriter::put(std::string_view bytes) {
 void McapWriter::put_record(McapOp op, const ByteWriter& content) { put(mcap_record(op, content.bytes())); }
 
 std::uint16_t McapWriter::add_channel(std::string_view topic, std::string_view type,
-                                      std::string_view definition) {
+                                      std::string_view definition, Offered offered) {
   const auto id = static_cast<std::uint16_t>(channels_.size() + 1);
   ByteWriter schema, channel;
   schema.put(id);
@@ -60,7 +73,10 @@ std::uint16_t McapWriter::add_channel(std::string_view topic, std::string_view t
   channel.put(id);  // its schema
   put_text(channel, topic);
   put_text(channel, "cdr");
-  put_map(channel, {});
+  ByteWriter metadata;
+  put_text(metadata, "offered_qos_profiles");
+  put_text(metadata, quality_of(offered));
+  put_text(channel, metadata.bytes());
   schemas_.push_back(schema.bytes());
   channels_.push_back(channel.bytes());
   chunk_ += mcap_record(McapOp::schema, schema.bytes()) + mcap_record(McapOp::channel, channel.bytes());

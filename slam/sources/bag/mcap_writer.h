@@ -18,6 +18,10 @@
 
 namespace penumbra::slam {
 
+// To whom a player is to offer a topic's messages again: to who listens when they come, or as "transient
+// local" also the last one to who comes later, as of /tf_static and maps.
+enum class Offered { as_it_comes, to_late_comers };
+
 class McapWriter {
  public:
   // Throws Error where the file cannot be written, as all functions do.
@@ -25,7 +29,8 @@ class McapWriter {
 
   // A topic of messages in CDR; `definition`: the text of the type and of those that it is made of, as ROS 2
   // has it.
-  std::uint16_t add_channel(std::string_view topic, std::string_view type, std::string_view definition);
+  std::uint16_t add_channel(std::string_view topic, std::string_view type, std::string_view definition,
+                            Offered offered = Offered::as_it_comes);
   void write(std::uint16_t channel, std::int64_t nanoseconds, std::string_view message);
   void finish();
 

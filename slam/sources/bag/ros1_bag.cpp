@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "slam/sources/bag/chunk_packing.h"
@@ -105,9 +106,10 @@ class Ros1Bag final : public ChunkedSource {
       file_.forget_before(byte_of(rest));
     }
     if (is_whole && (index_at == 0 || index_at >= file_.bytes().size())) {
-      notes_.push_back(fmt::format(
-          "{}: {}, so it has no index: all of its {} chunks are used, with {} messages", file_.name(),
-          index_at == 0 ? "its recorder did not finish it" : "its end is missing", chunks_, messages_));
+      notes_.push_back(fmt::format("{}: {}, so it has no index; used: {} with {}, all that there are",
+                                   file_.name(),
+                                   index_at == 0 ? "its recorder did not finish it" : "its end is missing",
+                                   counted(chunks_, "chunk"), counted(messages_, "message")));
     }
     note_damage();
   }

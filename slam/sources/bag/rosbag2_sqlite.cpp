@@ -1,5 +1,6 @@
 #include "slam/sources/bag/rosbag2_sqlite.h"
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 
@@ -119,11 +120,11 @@ class Rosbag2Sqlite final : public MessageSource {
       }
     } catch (const InputError& error) {
       notes_.push_back(
-          fmt::format("damaged: the {} messages before it are used: {}", messages, error.what()));
+          fmt::format("damaged; used: {} before it: {}", counted(messages, "message"), error.what()));
     }
     if (strangers > 0)
       notes_.push_back(
-          fmt::format("{}: {} messages belong to no topic and are left out", database_.name, strangers));
+          fmt::format("{}: left out: {} of no topic", database_.name, counted(strangers, "message")));
   }
 
   std::string_view read(const MessagePlace& place) override {

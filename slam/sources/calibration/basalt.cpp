@@ -89,8 +89,10 @@ CameraFile read_basalt(const std::filesystem::path& path) {
   file.place = poses.place();
   file.left = read_basalt_lens(cameras.at(0), sizes.at(0));
   file.right = read_basalt_lens(cameras.at(1), sizes.at(1));
-  file.T_right_left = read_basalt_pose(poses.at(1)).inverse() * read_basalt_pose(poses.at(0));
-  if (cameras.size() > 2) file.notes.push_back("of more than two cameras the first two are taken");
+  const SE3 T_imu_left = read_basalt_pose(poses.at(0));
+  file.T_right_left = read_basalt_pose(poses.at(1)).inverse() * T_imu_left;
+  file.mountings.push_back({"imu", T_imu_left});
+  if (cameras.size() > 2) file.notes.emplace_back("of more than two cameras the first two are taken");
   return file;
 }
 

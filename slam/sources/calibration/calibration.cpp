@@ -54,6 +54,14 @@ std::string lens_text(const LensCamera& lens, std::string_view indent) {
   return text;
 }
 
+std::string rows_text(const SE3& T) {
+  std::string text;
+  for (int row = 0; row < 3; ++row)
+    text += fmt::format("- [{}, {}, {}, {}]\n", T.rotation(row, 0), T.rotation(row, 1), T.rotation(row, 2),
+                        T.translation[row]);
+  return text;
+}
+
 }  // namespace
 
 Calibration read_calibration(const std::vector<std::filesystem::path>& files) {
@@ -82,12 +90,12 @@ std::string calibration_text(const CameraFile& camera) {
     const auto side = [](const LensCamera& lens) {
       return lens_text(lens, "  ") + (lens.distortion.empty() ? "  distortion_model: none\n" : "");
     };
-    const SE3& T = camera.T_right_left;
-    text += fmt::format("rectified: false\nleft:\n{}right:\n{}T_right_left:\n", side(camera.left),
-                        side(camera.right));
-    for (int row = 0; row < 3; ++row)
-      text += fmt::format("- [{}, {}, {}, {}]\n", T.rotation(row, 0), T.rotation(row, 1), T.rotation(row, 2),
-                          T.translation[row]);
+    text += fmt::format("rectified: false\nleft:\n{}right:\n{}T_right_left:\n{}", side(camera.left),
+                        side(camera.right), rows_text(camera.T_right_left));
+  }
+  if (!camera.mountings.empty()) {
+    const Mounting& mounting = camera.mountings.front();
+    text += fmt::format("body: {}\nT_body_left:\n{}", mounting.frame, rows_text(mounting.T_frame_camera));
   }
   if (camera.sensor == Sensor::rgbd) text += fmt::format("depth_factor: {}\n", camera.depth_factor);
   if (camera.colour) text += fmt::format("colour: {}\n", *camera.colour);

@@ -77,6 +77,15 @@ void read_stereo(const YamlFile& yaml, CameraFile& file) {
   }
 }
 
+// Where the left camera stands on its body, of which a file may say the name.
+void read_mounting(const YamlFile& yaml, CameraFile& file) {
+  const bool is_inverse = yaml.has("T_left_body");
+  if (!is_inverse && !yaml.has("T_body_left") && !yaml.has("body")) return;
+  const std::string key = one_of(yaml, {"T_body_left", "T_left_body"});
+  const SE3 T = read_transform(yaml, key);
+  file.mountings.push_back({yaml.text_or("body", "body"), is_inverse ? T.inverse() : T});
+}
+
 // Levels a metre. A depth_scale below 1 is the metres of a level, as RealSense's tools have it.
 double read_depth_factor(const YamlFile& yaml) {
   const std::string key = one_of(yaml, {"depth_factor", "depth_scale"});
@@ -138,7 +147,7 @@ void take_for_rgbd(CameraFile& file, const std::string& place) {
   file.baseline = kNominalBaseline;
   file.depth_factor = 1000.0;
   file.place = place;
-  file.notes.push_back(
+  file.notes.emplace_back(
       "the calibration is of one camera: taken for an RGB-D camera's whose depths are millimetres "
       "(depth_factor "
       "1000)");
@@ -149,7 +158,8 @@ void take_size(const Size& image, CameraFile& file) {
   file.left.width = file.right.width = image.width;
   file.left.height = file.right.height = image.height;
   if (file.rectified) return;
-  file.notes.push_back("the calibration does not say the size of its images: that of the first one is taken");
+  file.notes.emplace_back(
+      "the calibration does not say the size of its images: that of the first one is taken");
 }
 
 CameraFile read_own_camera_file(const std::filesystem::path& path) {
@@ -168,9 +178,15 @@ CameraFile read_own_camera_file(const std::filesystem::path& path) {
   } else {
     throw InputError(yaml.place("sensor"), "stereo or rgbd", in_quotes(written));
   }
+  read_mounting(yaml, file);
   if (yaml.has("colour")) file.colour = yaml.flag("colour");
   if (yaml.has("rate")) file.frame_rate = yaml.number_above_zero("rate");
   return file;
+}
+
+void RecordedCamera::stands(const Mounting& of_left) {
+  const SE3 T_left_rectified{R_rectified_left.transpose(), Eigen::Vector3d::Zero()};
+  mountings.push_back({of_left.frame, of_left.T_frame_camera * T_left_rectified});
 }
 
 RecordedCamera make_camera(const CameraFile& file) {
@@ -187,6 +203,7 @@ RecordedCamera make_camera(const CameraFile& file) {
     made.right = r.right;
     made.R_rectified_left = r.R_rectified_left;
   }
+  for (const Mounting& mounting : file.mountings) made.stands(mounting);
   return made;
 }
 

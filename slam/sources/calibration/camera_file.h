@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "slam/geometry/mounting.h"
 #include "slam/geometry/rectification.h"
 #include "slam/geometry/sensor.h"
 #include "slam/sources/calibration/yaml_file.h"
@@ -22,6 +23,7 @@ struct CameraFile {
   double depth_factor = 5000.0;      // levels a metre (RGB-D)
   std::optional<bool> colour;        // what the images are to be read as
   std::optional<double> frame_rate;  // Hz
+  std::vector<Mounting> mountings;   // of the left camera as it is, not rectified
   std::string place;                 // for messages
   std::vector<std::string> notes;    // what was taken because the file does not say it
 };
@@ -47,6 +49,10 @@ struct RecordedCamera {
   StereoCamera camera;  // of the rectified images; size 0 where the file does not give it
   Remap left, right;
   Eigen::Matrix3d R_rectified_left = Eigen::Matrix3d::Identity();
+  std::vector<Mounting> mountings;  // of the left rectified camera
+
+  // Adds where the left camera stands as it is, not rectified.
+  void stands(const Mounting& of_left);
 };
 RecordedCamera make_camera(const CameraFile& file);
 

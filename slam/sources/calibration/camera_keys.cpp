@@ -49,6 +49,9 @@ const std::vector<KnownKey>& camera_keys() {
         {"depth_scale", {}},
         {"T_right_left", {"T_cam1_cam0", "T_cn_cnm1", "T_rl"}},
         {"T_left_right", {"T_cam0_cam1", "T_lr"}},
+        {"T_body_left", {"T_body_camera", "T_body_cam0"}},
+        {"T_left_body", {"T_camera_body", "T_cam0_body"}},
+        {"body", {"body_frame"}},
         {"comment", {"description", "name", "camera_name", "camera", "serial", "serial_number", "date"}},
     };
     for (const KnownKey& key : lens) keys.push_back(key);

@@ -38,9 +38,19 @@ SE3 right_from_left(const YamlFile& yaml, std::string& key) {
                    "cam1's T_cn_cnm1, or T_cam_imu or T_imu_cam of both cameras", "none of them");
 }
 
+// On the inertial sensor.
+void read_mounting_on_imu(const YamlFile& yaml, CameraFile& file) {
+  if (yaml.has("cam0.T_cam_imu")) {
+    file.mountings.push_back({"imu", read_transform(yaml, "cam0.T_cam_imu").inverse()});
+  } else if (yaml.has("cam0.T_imu_cam")) {
+    file.mountings.push_back({"imu", read_transform(yaml, "cam0.T_imu_cam")});
+  }
+}
+
 CameraFile read_kalibr(const YamlFile& yaml) {
   CameraFile file;
   file.left = read_kalibr_lens(yaml, "cam0.");
+  read_mounting_on_imu(yaml, file);
   if (!yaml.has("cam1.intrinsics")) {
     take_for_rgbd(file, yaml.place("cam0.intrinsics"));
     return file;
@@ -50,7 +60,8 @@ CameraFile read_kalibr(const YamlFile& yaml) {
   std::string key;
   file.T_right_left = right_from_left(yaml, key);
   file.place = yaml.place(key);
-  if (yaml.has("cam2.intrinsics")) file.notes.push_back("of more than two cameras cam0 and cam1 are taken");
+  if (yaml.has("cam2.intrinsics"))
+    file.notes.emplace_back("of more than two cameras cam0 and cam1 are taken");
   return file;
 }
 

@@ -82,6 +82,8 @@ void read_orb_slam3(const YamlFile& yaml, CameraFile& file) {
     if (yaml.has(key)) file.notes.push_back(fmt::format("{} is not followed: images keep their size", key));
   }
   file.left = read_orb_lens(yaml, "Camera1.", model);
+  if (const std::string key = matrix_key(yaml, "IMU.T_b_c1"); yaml.has(key))
+    file.mountings.push_back({"imu", read_transform(yaml, key)});
   if (yaml.has("Camera2.fx")) {
     file.rectified = false;
     file.right = read_orb_lens(yaml, "Camera2.", model);

@@ -61,6 +61,7 @@ CameraFile read_sensor_yaml_pair(const fs::path& left, const fs::path& right) {
   file.left = first.lens;
   file.right = second.lens;
   file.T_right_left = second.T_BS.inverse() * first.T_BS;
+  file.mountings.push_back({"body", first.T_BS});
   file.place = right.string();
   return file;
 }

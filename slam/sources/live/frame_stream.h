@@ -34,7 +34,7 @@ struct StreamFrame {
   int index = 0;           // of the stream, from 0 on
   double timestamp = 0.0;  // seconds
   std::vector<std::uint8_t> bytes;
-  std::vector<std::size_t> parts;  // where it came in several: how many bytes are of each
+  std::vector<std::uint8_t> right;  // the right camera's, where two cameras sent it
 };
 
 class FrameStream {

@@ -53,14 +53,14 @@ LiveFrames::~LiveFrames() {
 
 void LiveFrames::run() {
   try {
-    for (bool first = true; stream_.read(reading_.frame); first = false) {
+    for (bool is_first = true; stream_.read(reading_.frame); is_first = false) {
       const Clock::time_point now = Clock::now();
       std::unique_lock lock(mutex_);
-      if (first) {
+      if (is_first) {
         first_read_ = now;
         first_timestamp_ = reading_.frame.timestamp;
       } else {
-        note_silence(std::chrono::duration<double>(now - last_read_).count(), now);
+        keep_time(now);
       }
       reading_.read = last_read_ = now;
       reading_.frame.timestamp += late_;
@@ -84,15 +84,16 @@ void LiveFrames::run() {
   changed_.notify_all();
 }
 
-// Of the frame that has just come, `seconds` after the one before it. What comes late because it was held up
+// How late the frame is that has just come, after how long a silence. What comes late because it was held up
 // comes in a burst; then the time that was lost is given back.
-void LiveFrames::note_silence(double seconds, Clock::time_point now) {
+void LiveFrames::keep_time(Clock::time_point now) {
   constexpr double kSilence = 1.0;  // seconds
-  counts_.longest_silence = std::max(counts_.longest_silence, seconds);
+  const double silence = std::chrono::duration<double>(now - last_read_).count();
+  counts_.longest_silence = std::max(counts_.longest_silence, silence);
   if (!settings_.drops || stream_.has_times()) return;
   const double lag =
       std::chrono::duration<double>(now - first_read_).count() - reading_.frame.timestamp + first_timestamp_;
-  late_ = seconds > kSilence ? std::max(late_, lag) : std::clamp(lag, 0.0, late_);
+  late_ = silence > kSilence ? std::max(late_, lag) : std::clamp(lag, 0.0, late_);
 }
 
 FrameSource::Next LiveFrames::wait(double seconds) {

@@ -41,7 +41,7 @@ class LiveFrames final : public FrameSource {
   LiveFrames(FrameStream& stream, const CameraFile& camera, const LiveSettings& settings);
   ~LiveFrames() override;
 
-  const StereoCamera& camera() const { return camera_.camera; }
+  const RecordedCamera& camera() const { return camera_; }
   // End: the stream has ended. What went wrong with it is thrown then.
   Next wait(double seconds) override;
   StereoImages next() override;
@@ -56,7 +56,7 @@ class LiveFrames final : public FrameSource {
     Clock::time_point read;
   };
   void run();
-  void note_silence(double seconds, Clock::time_point now);
+  void keep_time(Clock::time_point now);
 
   FrameStream& stream_;
   const LiveSettings settings_;

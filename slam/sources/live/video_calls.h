@@ -7,7 +7,9 @@
 
 namespace penumbra::slam {
 
-// As the calls of the same names, with errno; interrupted ones are made again.
+// As the calls of the same names, with errno. Of those that a signal interrupts control() is made again;
+// wait() has then waited; close() is made once, for the kernel has let go of the descriptor whatever it says
+// (close(2)), and another thread may have been given its number.
 class VideoCalls {
  public:
   virtual ~VideoCalls() = default;

@@ -112,7 +112,10 @@ class Negotiation {
       const std::size_t least = pixel_bytes * static_cast<std::size_t>(size.width);
       result.bytes_per_line = std::max<std::size_t>(pix.bytesperline, least);
     }
-    result.full_range = pix.quantization == V4L2_QUANTIZATION_FULL_RANGE;
+    // The default of YCbCr, V4L2_MAP_QUANTIZATION_DEFAULT.
+    result.full_range =
+        pix.quantization == V4L2_QUANTIZATION_FULL_RANGE ||
+        (pix.quantization == V4L2_QUANTIZATION_DEFAULT && pix.colorspace == V4L2_COLORSPACE_JPEG);
     result.rate = set_rate(rate);
     return result;
   }

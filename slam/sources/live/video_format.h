@@ -37,8 +37,8 @@ struct VideoFormat {
   VideoPixels pixels = VideoPixels::grey;
   Size size = {};
   std::size_t bytes_per_line = 0;  // none of MJPG
-  bool full_range = false;         // brightness from 0 to 255 instead of 16 to 235
-  double rate = 0.0;               // Hz; 0 where the driver does not say
+  bool full_range = false;  // brightness from 0 to 255 instead of 16 to 235: as the driver says, or JPEG's
+  double rate = 0.0;        // Hz; 0 where the driver does not say
 };
 
 // Sets the camera up. Throws InputError naming `device`, what was expected and what it offers where it is no

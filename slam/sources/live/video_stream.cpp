@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "slam/sources/live/video_pixels.h"
 
@@ -100,13 +102,9 @@ bool VideoStream::read(StreamFrame& frame) {
       continue;
     frame.index = count_++;
     frame.timestamp = cameras_.front().frame.timestamp;
-    frame.bytes.clear();
-    frame.parts.clear();
-    for (Camera& camera : cameras_) {
-      frame.bytes.insert(frame.bytes.end(), camera.frame.bytes.begin(), camera.frame.bytes.end());
-      frame.parts.push_back(camera.frame.bytes.size());
-      camera.has_frame = false;
-    }
+    std::swap(frame.bytes, cameras_.front().frame.bytes);
+    if (cameras_.size() > 1) std::swap(frame.right, cameras_.back().frame.bytes);
+    for (Camera& camera : cameras_) camera.has_frame = false;
     return true;
   }
   return false;
@@ -114,27 +112,26 @@ bool VideoStream::read(StreamFrame& frame) {
 
 void VideoStream::images(const StreamFrame& frame, bool colour, ByteImage& left, ByteImage& right,
                          WordImage&) const {
-  std::vector<ByteImage> images;
-  std::span<const std::uint8_t> bytes = frame.bytes;
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    const VideoFormat& format = cameras_[i].device->format();
-    const std::string& path = cameras_[i].device->path();
-    images.push_back(image_of_video(format, bytes.first(frame.parts[i]), colour, path));
-    if (images.back().size() != format.size) {
-      throw InputError(path, fmt::format("a JPEG of {}x{}", format.size.width, format.size.height),
-                       fmt::format("{}x{}", images.back().width(), images.back().height()));
+  const auto image_of = [&](const Camera& camera, const std::vector<std::uint8_t>& bytes) {
+    const VideoFormat& format = camera.device->format();
+    ByteImage image = image_of_video(format, bytes, colour, camera.device->path());
+    if (image.size() != format.size) {
+      throw InputError(camera.device->path(),
+                       fmt::format("a JPEG of {}x{}", format.size.width, format.size.height),
+                       fmt::format("{}x{}", image.width(), image.height()));
     }
-    bytes = bytes.subspan(frame.parts[i]);
-  }
-  if (images.size() > 1) {
-    left = std::move(images.front());
-    right = std::move(images.back());
+    return image;
+  };
+  if (cameras_.size() > 1) {
+    left = image_of(cameras_.front(), frame.bytes);
+    right = image_of(cameras_.back(), frame.right);
     return;
   }
+  const ByteImage both = image_of(cameras_.front(), frame.bytes);
   const bool beside = layout_ == StereoLayout::side_by_side;
-  left = ByteImage::copy_of(images.front().region({0, 0, size_.width, size_.height}));
-  right = ByteImage::copy_of(images.front().region(
-      {beside ? size_.width : 0, beside ? 0 : size_.height, size_.width, size_.height}));
+  left = ByteImage::copy_of(both.region({0, 0, size_.width, size_.height}));
+  right = ByteImage::copy_of(
+      both.region({beside ? size_.width : 0, beside ? 0 : size_.height, size_.width, size_.height}));
 }
 
 std::string VideoStream::remark() const {
@@ -147,9 +144,12 @@ std::string VideoStream::remark() const {
   }
   for (const Camera& camera : cameras_) {
     const VideoDevice& device = *camera.device;
-    if (device.lost() > 0) add(fmt::format("{} was gone {} times", device.path(), device.lost()));
+    if (device.lost() > 0)
+      add(fmt::format("{} was gone {}", device.path(),
+                      counted(static_cast<std::uint64_t>(device.lost()), "time")));
     if (device.damaged() > 0)
-      add(fmt::format("{} frames of {} were damaged", device.damaged(), device.path()));
+      add(fmt::format("damaged: {} of {}", counted(static_cast<std::uint64_t>(device.damaged()), "frame"),
+                      device.path()));
   }
   return text;
 }

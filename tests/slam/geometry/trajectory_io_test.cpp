@@ -97,7 +97,7 @@ TEST_F(TrajectoryIo, TimesThatGoBackAreSortedAndSaid) {
       read_tum_trajectory(file("2 2 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n3 3 0 0 0 0 0 1\n"), &notes);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(read[i].T_wc.translation.x(), read[i].timestamp);
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_NE(notes[0].find("time goes back in 1 lines; the poses are sorted"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[0].find("time goes back in 1 line; the poses are sorted"), std::string::npos) << notes[0];
 }
 
 TEST_F(TrajectoryIo, QuaternionsOfAnyLengthAreNormalisedAndSaid) {

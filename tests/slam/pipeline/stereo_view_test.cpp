@@ -82,6 +82,22 @@ TEST(DenseSettings, FollowFromTheCamera) {
   EXPECT_NEAR(wide.plan.lowest, 0.3, 1e-12);
   EXPECT_NEAR(wide.fusion.depth_noise * wide.fusion.farthest * wide.fusion.farthest, 0.4, 1e-9);
   EXPECT_NEAR(with_derived(DenseSettings(), Sensor::stereo, euroc).plan.cell, 0.05, 1e-12);
+  EXPECT_EQ(wide.stereo.shrink, 4);
+  EXPECT_EQ(with_derived(DenseSettings(), Sensor::stereo, euroc).stereo.shrink, 4);
+  // The same camera with images of half the size: as many pixels are matched, and depth counts as far.
+  StereoCamera half = kitti;
+  half.fx = half.fy = 0.5 * kitti.fx;
+  half.width = 620;
+  half.height = 188;
+  const DenseSettings small = with_derived(DenseSettings(), Sensor::stereo, half);
+  EXPECT_EQ(small.stereo.shrink, 2);
+  EXPECT_EQ(small.plan.cell, wide.plan.cell);
+  EXPECT_NEAR(small.fusion.farthest, wide.fusion.farthest, 1e-9);
+  // And where they must be matched at a fourth, cells are what depth then tells apart.
+  DenseSettings coarse;
+  coarse.stereo.shrink = 4;
+  EXPECT_NEAR(with_derived(coarse, Sensor::stereo, half).plan.cell, 0.5, 1e-12);
+  EXPECT_GT(with_derived(coarse, Sensor::stereo, half).fusion.farthest, wide.fusion.farthest);
   const DenseSettings rgbd = with_derived(DenseSettings(), Sensor::rgbd, euroc);
   EXPECT_EQ(rgbd.plan.cell, 0.05);
   EXPECT_EQ(rgbd.fusion.voxel, 0.01);

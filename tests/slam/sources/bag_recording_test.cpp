@@ -1,10 +1,12 @@
 // Recordings of robots as datasets: which topics are taken, which frames they make, and what is said.
 #include "slam/sources/bag_recording.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 
 #include "nn/base/error.h"
 #include "tests/support/bag_files.h"
@@ -77,20 +79,11 @@ class BagRecording : public testing::Test {
   test::TemporaryDirectory folder_;
 };
 
-struct Stands {
-  std::string parent, child;
-  Eigen::Vector3d at;
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-};
-BagMessage fixed_frames(const std::vector<Stands>& all, Wire wire = Wire::ros1) {
-  test::MessageBytes bytes(wire);
-  bytes.number(static_cast<std::uint32_t>(all.size()));
-  for (const Stands& one : all) {
-    const Eigen::Quaterniond& q = one.rotation;
-    bytes.header(0, one.parent).text(one.child);
-    bytes.numbers(std::array{one.at.x(), one.at.y(), one.at.z(), q.x(), q.y(), q.z(), q.w()});
-  }
-  return {"/tf_static", "tf2_msgs/TFMessage", 1, bytes.bytes()};
+// How a body whose x is ahead, y left and z up carries a camera whose z is ahead.
+constexpr std::array kAhead = {-0.5, 0.5, -0.5, 0.5};  // x y z w
+
+BagMessage frames(const std::vector<test::TransformParts>& all, const std::string& topic = "/tf_static") {
+  return {topic, "tf2_msgs/TFMessage", 1, test::transforms_message(Wire::ros1, all)};
 }
 
 // Cameras that were calibrated each by itself: P[3] is 0.
@@ -102,16 +95,14 @@ TEST_F(BagRecording, WhereTheRightCameraStandsMayBeAFixedFrame) {
   messages[0] = camera("/left/camera_info", left);
   messages[1] = camera("/right/camera_info", right);
   expect_refused(messages, {"no baseline"});
-  // The body's x is ahead; the cameras' z is.
-  const Eigen::Quaterniond ahead(0.5, -0.5, 0.5, -0.5);
-  messages.push_back(fixed_frames({{"base", "head", {0.0, 0.0, 1.0}},
-                                   {"head", "left_optical", {0.2, 0.06, 0.0}, ahead},
-                                   {"base", "right_optical", {0.2, -0.06, 1.0}, ahead}}));
+  messages.push_back(frames({{"base", "head", {0.0, 0.0, 1.0}},
+                             {"head", "left_optical", {0.2, 0.06, 0.0}, kAhead},
+                             {"base", "right_optical", {0.2, -0.06, 1.0}, kAhead}}));
   const auto dataset = open(messages);
   EXPECT_NEAR(dataset->camera().baseline, 0.12, 1e-9);
   EXPECT_NEAR(dataset->camera().fx, 60.0, 1e-6);
-  EXPECT_TRUE(says(*dataset, "/tf_static does: 0.12 m"));
-  const StereoImages expected = dataset->load(2);
+  EXPECT_TRUE(says(*dataset, "fixed frames of tf do: 0.12 m"));
+  const ByteImage image = dataset->load(2).left;  // before another recording takes the file's place
   // These images are rectified: what the lenses did is undone already.
   left.D = right.D = {-0.4, 0.1, 0.0, 0.0, 0.0};
   messages[0] = camera("/left/camera_info", left);
@@ -120,15 +111,67 @@ TEST_F(BagRecording, WhereTheRightCameraStandsMayBeAFixedFrame) {
   EXPECT_EQ(rectified->camera().fx, dataset->camera().fx);
   EXPECT_EQ(rectified->camera().cx, dataset->camera().cx);
   for (const auto& [x, y] : {std::pair{0, 0}, {kWidth - 1, 0}, {kWidth / 2, kHeight - 1}})
-    EXPECT_EQ(rectified->load(2).left.at(x, y), expected.left.at(x, y));
+    EXPECT_EQ(rectified->load(2).left.at(x, y), image.at(x, y));
   left.D = right.D = {};
   messages[0] = camera("/left/camera_info", left);
   messages[1] = camera("/right/camera_info", right);
-  messages.back() = fixed_frames({{"base", "left_optical", {0.0, 0.0, 0.0}}});  // nothing of the right one
+  messages.back() = frames({{"base", "left_optical"}});  // nothing of the right one
   expect_refused(messages, {"no baseline"});
-  messages.back() =
-      fixed_frames({{"left_optical", "right_optical", {-0.1, 0.0, 0.0}}});  // it is the left one
+  messages.back() = frames({{"left_optical", "right_optical", {-0.1, 0.0, 0.0}}});  // it is the left one
   expect_refused(messages, {"are they swapped?"});
+}
+
+TEST_F(BagRecording, FramesInWhichTheCameraStandsStillAreKnown) {
+  std::vector<BagMessage> messages = five_pairs();
+  EXPECT_EQ(open(messages)->mountings().size(), 1U);  // its own
+  const auto moving = [&](double x, double y) {
+    messages.push_back(frames({{"odom", "base_link", {x, 0.0, 0.0}},    // drives
+                               {"base_link", "mast", {0.0, y, 1.0}},    // stands, but for its digits
+                               {"base_link", "lid", {0.0, 0.0, 2.0}}},  // /tf_static says where
+                              "/tf"));
+  };
+  moving(0.0, 0.2);
+  messages.push_back(
+      frames({{"base_link", "lid", {0.0, 0.0, 0.5}}, {"/mast", "camera", {0.1, 0.0, 0.0}, kAhead}}));
+  moving(1.0, 0.2000001);
+  messages.push_back(frames({{"elsewhere", "tower"}}));
+  const auto dataset = open(messages);
+  std::string names;
+  for (const Mounting& mounting : dataset->mountings()) names += mounting.frame + " ";
+  EXPECT_EQ(names, "base_link camera lid mast ");
+  const SE3& T_base_camera = mounting_of("/base_link", dataset->mountings(), "run").T_frame_camera;
+  EXPECT_LT((T_base_camera * Eigen::Vector3d(0.0, 0.0, 2.0) - Eigen::Vector3d(2.1, 0.2, 1.0)).norm(), 1e-9);
+  EXPECT_LT((T_base_camera * Eigen::Vector3d(1.0, 0.0, 0.0) - Eigen::Vector3d(0.1, -0.8, 1.0)).norm(), 1e-9);
+  const SE3& T_lid_camera = mounting_of("lid", dataset->mountings(), "run").T_frame_camera;
+  EXPECT_LT((T_lid_camera.translation - Eigen::Vector3d(0.1, 0.2, 0.5)).norm(), 1e-9);
+  expect_error<InputError>([&] { mounting_of("odom", dataset->mountings(), "run"); },
+                           {"run", "base_link, camera, lid, mast", "'odom'"});
+  EXPECT_EQ(summarise_bag(folder_ / "run.bag").frames.size(), 4U);
+}
+
+// By R of its CameraInfo the images' camera is turned against its frame.
+TEST_F(BagRecording, RectifiedImagesAreTurnedAgainstTheirFrame) {
+  std::vector<BagMessage> messages = five_pairs();
+  test::CameraParts left = pinhole(kWidth, kHeight, 60);
+  const double c = std::cos(0.1), s = std::sin(0.1);
+  left.R = {c, -s, 0, s, c, 0, 0, 0, 1};
+  messages[0] = camera("/left/camera_info", left);
+  const auto dataset = open(messages);
+  const Eigen::Vector3d of_rectified =
+      mounting_of("camera", dataset->mountings(), "run").T_frame_camera * Eigen::Vector3d(c, s, 0.0);
+  EXPECT_LT((of_rectified - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+}
+
+// A chain as long as robots' never are.
+TEST_F(BagRecording, ALongChainOfFramesIsFollowedInNoTime) {
+  std::vector<BagMessage> messages = five_pairs();
+  std::vector<test::TransformParts> chain = {{"camera", "link_0"}};
+  for (int i = 1; i < 5000; ++i)
+    chain.push_back({fmt::format("link_{}", i - 1), fmt::format("link_{}", i), {0.001, 0.0, 0.0}});
+  messages.push_back(frames(chain));
+  const auto dataset = open(messages);
+  const SE3& T = mounting_of("link_4999", dataset->mountings(), "run").T_frame_camera;
+  EXPECT_NEAR(T.translation.x(), -4.999, 1e-9);
 }
 
 TEST_F(BagRecording, AStereoPairIsFoundByItsNames) {
@@ -161,7 +204,7 @@ TEST_F(BagRecording, TimesThatGoBackLoseNothing) {
   ASSERT_EQ(dataset->size(), 9);
   EXPECT_EQ(dataset->load(0).left.at(0, 0), 40);
   EXPECT_EQ(dataset->load(8).right.at(0, 0), 24);
-  EXPECT_TRUE(says(*dataset, "/left/image_rect: times go back in 1 places"));
+  EXPECT_TRUE(says(*dataset, "/left/image_rect: times go back in 1 place of the file"));
 }
 
 TEST_F(BagRecording, WithoutTimesInHeadersThoseOfRecordingCount) {
@@ -173,7 +216,7 @@ TEST_F(BagRecording, WithoutTimesInHeadersThoseOfRecordingCount) {
   const auto dataset = open(messages);
   ASSERT_EQ(dataset->size(), 4);
   EXPECT_DOUBLE_EQ(dataset->timestamp(3), 0.3);
-  EXPECT_TRUE(says(*dataset, "/left/image_rect: 4 of 4 headers have no time"));
+  EXPECT_TRUE(says(*dataset, "/left/image_rect: 4 of 4 headers without a time"));
 }
 
 TEST_F(BagRecording, ImagesWithoutPartnersAreLeftOutAndCounted) {
@@ -181,7 +224,7 @@ TEST_F(BagRecording, ImagesWithoutPartnersAreLeftOutAndCounted) {
   messages.pop_back();
   const auto dataset = open(messages);
   EXPECT_EQ(dataset->size(), 4);
-  EXPECT_TRUE(says(*dataset, "4 pairs of 5 left and 4 right images; 1 images without a partner"));
+  EXPECT_TRUE(says(*dataset, "4 pairs of 5 left and 4 right images; left out: 1 image without a partner"));
   for (BagMessage& message : messages) {
     if (message.topic == "/right/image_rect")
       message = image(message.topic, 1000 * kSecond + 5'000'000, 3, 3);
@@ -197,7 +240,7 @@ TEST_F(BagRecording, DamagedImagesCostThemselvesAlone) {
   messages[4].bytes.resize(100);
   const auto dataset = open(messages);
   EXPECT_EQ(dataset->size(), 4);
-  EXPECT_TRUE(says(*dataset, "/left/image_rect: 1 messages are no whole images"));
+  EXPECT_TRUE(says(*dataset, "/left/image_rect: left out: 1 message without a whole image"));
 }
 
 std::vector<BagMessage> depth_frames(const std::string& depth_encoding,

@@ -122,7 +122,7 @@ TEST_F(Euroc, MicrosecondsAndRepeatedTimesAreTakenWithANote) {
   EXPECT_NEAR(dataset->timestamp(1) - dataset->timestamp(0), 0.05, 1e-6);
   ASSERT_EQ(dataset->notes().size(), 4U);
   EXPECT_NE(dataset->notes()[0].find("microseconds (not nanoseconds)"), std::string::npos);
-  EXPECT_NE(dataset->notes()[1].find("1 images have the time of the one before"), std::string::npos);
+  EXPECT_NE(dataset->notes()[1].find("left out: 1 image with the time of the one before"), std::string::npos);
 }
 
 TEST_F(Euroc, LongGapsAreNoted) {

@@ -138,7 +138,7 @@ TEST_F(Tum, PairsOneToOneNearestFirst) {
   options.pair_within = 0.015;
   const std::unique_ptr<StereoDataset> dataset = open_dataset(root(), options);
   EXPECT_EQ(dataset->size(), 1);
-  EXPECT_NE(dataset->notes().front().find("1 pairs of 2 colour and 2 depth images"), std::string::npos);
+  EXPECT_NE(dataset->notes().front().find("1 pair of 2 colour and 2 depth images"), std::string::npos);
 }
 
 TEST_F(Tum, BadFilesAreRefused) {
@@ -210,6 +210,10 @@ TEST_F(Tum, OpenLorisHasTheSameListsUnderOtherNames) {
   const SE3& camera = (*dataset->ground_truth())[2].T_wc;
   EXPECT_NEAR((camera.translation - Eigen::Vector3d(2.25, 0.0, 1.0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((camera.rotation.col(2) - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-9);
+
+  const Eigen::Vector3d on_the_base =
+      mounting_of("base_link", dataset->mountings(), "here").T_frame_camera.translation;
+  EXPECT_EQ(on_the_base, Eigen::Vector3d(0.25, 0.0, 1.0));
 
   fs::remove(root() / "trans_matrix.yaml");
   const std::unique_ptr<StereoDataset> of_base = open_dataset(root());

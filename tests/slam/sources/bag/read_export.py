@@ -20,9 +20,10 @@ with open(sys.argv[1], "rb") as file:
     file.seek(0)
     reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
     statistics = reader.get_summary().statistics
-    found = {}
+    found, offered = {}, {}
     for schema, channel, message, decoded in reader.iter_decoded_messages():
         found.setdefault(channel.topic, []).append(decoded)
+        offered[channel.topic] = channel.metadata["offered_qos_profiles"]
 assert statistics.message_count == sum(len(messages) for messages in found.values())
 assert len(found["/pose"]) == len(found["/tf"]) == len(found["/path"][0].poses) == len(poses)
 for (t, x, y, z, qx, qy, qz, qw), message, of_path in zip(poses, found["/pose"], found["/path"][0].poses):
@@ -33,8 +34,14 @@ for (t, x, y, z, qx, qy, qz, qw), message, of_path in zip(poses, found["/pose"],
         assert abs(abs(q.x * qx + q.y * qy + q.z * qz + q.w * qw) - 1) < 1e-9
 cloud = found["/map"][0]
 assert [f.name for f in cloud.fields] == ["x", "y", "z", "rgb"] and len(cloud.data) == cloud.width * cloud.point_step
-assert found["/tf_static"][0].transforms[0].child_frame_id == "map"
+# One message that a player latches, as rosbag2 has it: 1 is transient local, 2 volatile.
+for topic, profile in offered.items():
+    lasts = topic in ("/tf_static", "/map", "/path", "/plan")
+    assert profile.count("durability: %d" % (1 if lasts else 2)) == 1 and profile.startswith("- history: 1\n  depth: ")
+    assert not lasts or len(found[topic]) == 1
+fixed = found["/tf_static"][0].transforms
+assert fixed[0].child_frame_id == "map"
 assert found["/overlay"] and all(m.format == "jpeg" and bytes(m.data[:2]) == b"\xff\xd8" for m in found["/overlay"])
 for plan in found.get("/plan", []):
     assert len(plan.data) == plan.info.width * plan.info.height and set(plan.data) <= {-1, 0, 100}
-    assert found["/tf_static"][1].transforms[0].child_frame_id == plan.header.frame_id
+    assert fixed[-1].child_frame_id == plan.header.frame_id

@@ -122,9 +122,21 @@ TEST_F(Dialects, KalibrsAndOpenVinssChainsThroughAnInertialSensor) {
     return fmt::format("%YAML:1.0\ncam0:\n  {0}: [{1}]\n{2}cam1:\n  {0}: [{3}]\n{4}", key, rows(left, 4),
                        kalibr_lens(kRig.left), rows(right, 4), kalibr_lens(kRig.right));
   };
-  expect_test_rig({write("kalibr.yaml", chain("T_cam_imu", T_left_imu, T_right_imu))}, kKalibrName);
-  expect_test_rig({write("openvins.yaml", chain("T_imu_cam", T_left_imu.inverse(), T_right_imu.inverse()))},
-                  kKalibrName);
+  const fs::path kalibr = write("kalibr.yaml", chain("T_cam_imu", T_left_imu, T_right_imu)),
+                 openvins =
+                     write("openvins.yaml", chain("T_imu_cam", T_left_imu.inverse(), T_right_imu.inverse()));
+  for (const fs::path& file : {kalibr, openvins}) {
+    expect_test_rig({file}, kKalibrName);
+    const CameraFile read = read_camera_file(file);
+    EXPECT_LT((mounting_of("imu", read.mountings, "here").T_frame_camera * T_left_imu).log().norm(), 1e-9);
+    // What is written in our own keys keeps it, and rectifying turns it.
+    const CameraFile again = read_camera_file(write("again.yaml", calibration_text(read)));
+    const RecordedCamera made = make_camera(again);
+    const SE3 T_imu_left = mounting_of("imu", made.mountings, "here").T_frame_camera *
+                           SE3{made.R_rectified_left, Eigen::Vector3d::Zero()};
+    EXPECT_LT((T_imu_left * T_left_imu).log().norm(), 1e-9);
+    EXPECT_GT((made.R_rectified_left - Eigen::Matrix3d::Identity()).norm(), 1e-6);
+  }
 }
 
 TEST_F(Dialects, OrbSlam3OfRawImages) {
@@ -256,6 +268,8 @@ TEST_F(Dialects, SensorYamlOfBothCameras) {
   const fs::path left = write("left.yaml", sensor(kRig.left, T_body_left)),
                  right = write("right.yaml", sensor(kRig.right, T_body_left * kRig.T_right_left.inverse()));
   expect_test_rig({left, right}, "a sensor.yaml of EuRoC or TUM-VI");
+  const std::vector<Mounting> mountings = read_calibration({left, right}).camera.mountings;
+  EXPECT_EQ(mounting_of("body", mountings, "here").T_frame_camera.translation, T_body_left.translation);
   test::expect_error<InputError>([&] { read_calibration({left}); }, {"the sensor.yaml of both cameras"});
 }
 
@@ -272,6 +286,16 @@ TEST_F(Dialects, OursReadsBackWhatItWrites) {
   EXPECT_EQ(again.left.distortion, depth.left.distortion);
   EXPECT_EQ(again.depth_factor, depth.depth_factor);
   EXPECT_EQ(again.frame_rate, depth.frame_rate);
+  EXPECT_TRUE(again.mountings.empty());
+  const std::string on_a_robot = calibration_text(depth) + "body: base_link\n";
+  for (const char* key : {"T_body_left: [1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 2]",
+                          "T_left_body: [1, 0, 0, -0.5, 0, 1, 0, 0, 0, 0, 1, -2]"}) {
+    const CameraFile read = read_camera_file(write("robot.yaml", on_a_robot + key + "\n"));
+    EXPECT_EQ(mounting_of("base_link", read.mountings, "here").T_frame_camera.translation,
+              Eigen::Vector3d(0.5, 0.0, 2.0));
+  }
+  test::expect_error<InputError>([&] { read_camera_file(write("nowhere.yaml", on_a_robot)); },
+                                 {"T_body_left"});
 }
 
 TEST_F(Dialects, BasaltsJson) {

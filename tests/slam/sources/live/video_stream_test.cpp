@@ -83,6 +83,33 @@ TEST(VideoStream, MakesGreyAndColourOfBothOrders) {
   }
 }
 
+// Red of full range: Y 76, U 85, V 255. What the driver leaves to the default is full of JPEG's colours
+// alone.
+TEST(VideoStream, TakesTheRangeThatTheDriverMeans) {
+  struct Case {
+    std::uint32_t quantization, colorspace;
+    bool is_full;
+  };
+  for (const Case& c : {Case{V4L2_QUANTIZATION_FULL_RANGE, V4L2_COLORSPACE_SRGB, true},
+                        Case{V4L2_QUANTIZATION_DEFAULT, V4L2_COLORSPACE_JPEG, true},
+                        Case{V4L2_QUANTIZATION_DEFAULT, V4L2_COLORSPACE_SRGB, false},
+                        Case{V4L2_QUANTIZATION_DEFAULT, V4L2_COLORSPACE_REC709, false},
+                        Case{V4L2_QUANTIZATION_LIM_RANGE, V4L2_COLORSPACE_JPEG, false}}) {
+    FakeVideo video;
+    FakeCamera& camera = video.add("/dev/video0");
+    camera.formats = {{V4L2_PIX_FMT_YUYV, 4, 1}};
+    camera.quantization = c.quantization;
+    camera.colorspace = c.colorspace;
+    const std::string red = c.is_full ? "\x4c\x55\x4c\xff" : "\x51\x5a\x51\xf0";
+    camera.frames = {{1.0, red + red}};
+    VideoStream stream({.left = "/dev/video0", .size = {2, 1}}, video);
+    const Pair colour = next_pair(stream, true);
+    for (int channel = 0; channel < 3; ++channel)
+      EXPECT_NEAR(colour.left.at(1, 0, channel), channel == 2 ? 255 : 0, 2)
+          << c.quantization << ' ' << c.colorspace << ' ' << channel;
+  }
+}
+
 // The JPEG's Huffman tables are left out, as USB cameras do: they are those of the standard.
 std::string without_tables(const std::string& jpeg) {
   std::string bytes = jpeg;
@@ -147,7 +174,7 @@ TEST(VideoStream, LeavesOutDamagedFramesAndWaitsForACameraThatIsGone) {
   {
     VideoStream stream({.left = "/dev/video0", .size = {2, 1}}, video);
     EXPECT_EQ(next_pair(stream).left.at(0, 0), 'e');
-    EXPECT_EQ(stream.remark(), "2 frames of /dev/video0 were damaged");
+    EXPECT_EQ(stream.remark(), "damaged: 2 frames of /dev/video0");
     VideoDevice device("/dev/video0", {.size = {4, 1}}, video);
     camera.is_there = false;
     VideoFrame frame;

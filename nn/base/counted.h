@@ -1,0 +1,13 @@
+// How many there are of something, in words: "1 image", "2 images".
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace penumbra {
+
+// `many`: the plural, where it is not `one` with an s.
+std::string counted(std::uint64_t count, std::string_view one, std::string_view many = {});
+
+}  // namespace penumbra
