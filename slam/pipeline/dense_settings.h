@@ -26,9 +26,9 @@ namespace penumbra::slam {
 
 // How depth is found in pairs of images.
 struct StereoDepthSettings {
-  int shrink = 4;           // sides of the images that are matched, to those of the pair
-  int disparities = 128;    // pixels of the pair: what is nearer is not seen
-  double noise = 0.25;      // standard deviation of a disparity, pixels of the images that are matched
+  int shrink = 4;                // sides of the images that are matched, to those of the pair
+  int disparities = 128;         // pixels of the pair: what is nearer is not seen
+  double noise = 0.25;           // standard deviation of a disparity, pixels of the images that are matched
   DisparitySettings match = {};  // its `disparities` follow from those here
 };
 

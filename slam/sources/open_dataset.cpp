@@ -45,7 +45,7 @@ constexpr struct {
     {"calib_cam_to_cam.txt", "a day of KITTI's raw data (its drives are read)"},
     {"data_2d_raw", "all of KITTI-360 (its drives, data_2d_raw/NAME, are read)"},
     {"distorted_images", "4Seasons' distorted images"},
-    {"stereo.timestamps", "RobotCar's layout, whose raw images need its own tables"},
+    {"stereo.timestamps", "RobotCar's layout without stereo/left (or centre) and stereo/right"},
     {"aligned_depth.txt", "OpenLORIS' layout without its color.txt"},
     {"rgb_left", "a layout with rgb_left/"},
     {"metadata.yaml", "the folder of a ROS 2 bag without its .mcap or .db3 file"},
@@ -102,10 +102,10 @@ std::unique_ptr<StereoDataset> open_dataset(const std::filesystem::path& path,
   }
   throw InputError(
       path.string(),
-      "a dataset: KITTI odometry has sequences/ (dataset root), or calib.txt, image_0/ or "
-      "image_2/ (folder of one sequence); EuRoC has mav0/; TUM RGB-D has rgb.txt or rgb/; KITTI's raw "
-      "drives, KITTI-360, Virtual KITTI 2, TartanAir, 4Seasons and ICL-NUIM lie as downloaded; any other "
-      "camera's images need a calibration.yaml",
+      "a recording: KITTI odometry (sequences/, or calib.txt and image_0/ or image_2/), EuRoC or TUM-VI "
+      "(mav0/), TUM RGB-D, ETH3D, Bonn or OpenLORIS (rgb.txt or color.txt), a folder of your own images "
+      "(calibration.yaml), or as downloaded KITTI raw, KITTI-360, Virtual KITTI 2, TartanAir, 4Seasons, "
+      "ICL-NUIM or RobotCar (docs/datasets.md has the layouts)",
       describe_folder(path));
 }
 

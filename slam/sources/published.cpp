@@ -9,6 +9,7 @@
 #include "slam/sources/folder_listing.h"
 #include "slam/sources/kitti_raw.h"
 #include "slam/sources/paired_folders.h"
+#include "slam/sources/robotcar.h"
 
 namespace penumbra::slam {
 
@@ -124,7 +125,7 @@ PairedFolders tartanair(const fs::path& path, const DatasetOptions&) {
   folders.camera = pinhole_pair(320.0, 320.0, 320.0, 240.0, 0.25, 0, 0);
   folders.made_for = Size{640, 480};
   folders.rate = 10.0;
-  folders.notes.push_back("TartanAir has no times: 10 frames a second are taken (--rate HZ for another)");
+  folders.notes.emplace_back("TartanAir has no times: 10 frames a second are taken (--rate HZ for another)");
   if (const fs::path file = path / "pose_left.txt"; is_present(file)) {
     folders.poses.file = file;
     for (const TimedPose& pose : read_tartanair_trajectory(file, &folders.notes))
@@ -194,6 +195,8 @@ PairedFolders icl_nuim(const fs::path& path, const DatasetOptions&) {
   return folders;
 }
 
+PairedFolders robotcar(const fs::path& path, const DatasetOptions&) { return describe_robotcar(path); }
+
 struct Row {
   bool (*looks_like)(const fs::path&);
   PairedFolders (*describe)(const fs::path&, const DatasetOptions&);
@@ -201,6 +204,7 @@ struct Row {
 constexpr Row kRows[] = {
     {is_kitti_360, kitti_360}, {is_kitti_raw, kitti_raw},       {is_virtual_kitti, virtual_kitti},
     {is_tartanair, tartanair}, {is_four_seasons, four_seasons}, {is_icl_nuim, icl_nuim},
+    {is_robotcar, robotcar},
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 //   Virtual KITTI 2   SCENE/VARIATION/frames/rgb/Camera_0|1; SCENE/VARIATION/extrinsic.txt
 //   TartanAir         image_left, image_right, pose_left.txt
 //   4Seasons          undistorted_images/cam0|1; ../calibration/undistorted_calib_0.txt, _stereo.txt
+//   RobotCar          stereo/left|centre, stereo/right (slam/sources/robotcar.h)
 //   ICL-NUIM          rgb, depth, associations.txt, *.gt.freiburg
 #pragma once
 

@@ -165,7 +165,8 @@ TEST_F(ImageFolder, FramesWithOneTimeAreTakenOnce) {
   ASSERT_EQ(dataset->size(), 2);
   EXPECT_EQ(dataset->load(1).left.at(0, 0), 20);
   ASSERT_FALSE(dataset->notes().empty());
-  EXPECT_NE(dataset->notes().front().find("left out: 1 frame with the time of the frame before"), std::string::npos);
+  EXPECT_NE(dataset->notes().front().find("left out: 1 frame with the time of the frame before"),
+            std::string::npos);
 }
 
 TEST_F(ImageFolder, WhatSystemsLeaveBehindIsSkipped) {

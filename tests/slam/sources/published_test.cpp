@@ -174,5 +174,143 @@ TEST_F(Published, Eth3dAndBonnLieAsTumDoes) {
   expect_error<InputError>([&] { open("rgbd_bonn_balloon"); }, {"640 x 480", "640 x 60"});
 }
 
+// A drive of three frames with the SDK beside it: its models of the wide and the narrow pair, which leave
+// images as they are but for one pixel to the left.
+class RobotCar : public Published {
+ protected:
+  static constexpr int kWidth = 80, kHeight = 60;
+  static constexpr long long kStart = 1399381446204705, kStep = 62500;  // microseconds
+
+  void SetUp() override {
+    for (const char* side : {"left", "centre", "right"}) {
+      fs::create_directories(root() / drive_ / "stereo" / side);
+      for (int i = 0; i < 3; ++i) {
+        // Green first, blue beside it, red below: a plain colour behind the mosaic.
+        cv::Mat mosaic(kHeight, kWidth, CV_8UC1, cv::Scalar(40));
+        for (int y = 0; y < kHeight; ++y) {
+          for (int x = 0; x < kWidth; ++x) {
+            if (y % 2 == 0 && x % 2 == 1) mosaic.at<std::uint8_t>(y, x) = 10;
+            if (y % 2 == 1 && x % 2 == 0) mosaic.at<std::uint8_t>(y, x) = 200;
+          }
+        }
+        test::write_mat(root() / drive_ / "stereo" / side / fmt::format("{}.png", time(i)), mosaic);
+      }
+    }
+    std::string times;
+    for (int i = 0; i < 3; ++i) times += fmt::format("{} 1\n", time(i));
+    write(drive_ / "stereo.timestamps", times);
+    for (const char* pair : {"wide", "narrow"}) {
+      for (const bool right : {false, true}) {
+        const double baseline = right ? (pair[0] == 'w' ? 0.239983 : 0.119997) : 0.0;
+        const std::string name = fmt::format("models/stereo_{}_{}", pair, right ? "right" : "left");
+        write(sdk_ / (name + ".txt"),
+              fmt::format("70 70 40 30 0\n0 0 1 0\n1 0 0 {}\n0 1 0 0\n0 0 0 1\n", baseline));
+        std::string table;
+        for (const bool rows : {false, true}) {
+          for (int y = 0; y < kHeight; ++y) {
+            for (int x = 0; x < kWidth; ++x) {
+              const double place = rows ? y : x - 1;
+              table.append(reinterpret_cast<const char*>(&place), sizeof place);
+            }
+          }
+        }
+        write(sdk_ / (name + "_distortion_lut.bin"), table);
+      }
+    }
+  }
+  static long long time(int i) { return kStart + i * kStep; }
+
+  const fs::path drive_ = "2014-05-06-12-54-54", sdk_ = "robotcar-dataset-sdk";
+};
+
+TEST_F(RobotCar, TablesUndoTheLensesOfBothPairs) {
+  DatasetOptions options;
+  options.cameras = DatasetCameras::colour;
+  const auto dataset = open_dataset(root() / drive_, options);
+  EXPECT_EQ(dataset->name(), "RobotCar 2014-05-06-12-54-54");
+  EXPECT_EQ(dataset->size(), 3);
+  EXPECT_EQ(dataset->camera().fx, 70.0);
+  EXPECT_NEAR(dataset->camera().baseline, 0.239983, 1e-9);
+  EXPECT_NEAR(dataset->timestamp(2) - dataset->timestamp(0), 0.125, 1e-6);
+  EXPECT_FALSE(dataset->ground_truth());
+  const ByteImage left = dataset->load(0).left;
+  ASSERT_EQ(left.channels(), 3);
+  for (int x : {0, 31, 32}) {
+    EXPECT_EQ(left.at(x, 20, 0), 10);
+    EXPECT_EQ(left.at(x, 20, 1), 40);
+    EXPECT_EQ(left.at(x, 20, 2), 200);
+  }
+  // One pixel to the right of where it was.
+  cv::Mat marked(kHeight, kWidth, CV_8UC3, cv::Scalar::all(0));
+  marked.at<cv::Vec3b>(20, 30) = {255, 255, 255};
+  for (const char* side : {"left", "right"})
+    test::write_mat(root() / drive_ / "stereo" / side / fmt::format("{}.png", time(0)), marked);
+  EXPECT_EQ(open(drive_)->load(0).left.at(31, 20), 255);
+
+  fs::remove_all(root() / drive_ / "stereo" / "left");
+  const auto narrow = open(drive_);
+  EXPECT_NEAR(narrow->camera().baseline, 0.119997, 1e-9);
+  EXPECT_NE(narrow->notes().front().find("the narrow pair"), std::string::npos) << narrow->notes().front();
+}
+
+TEST_F(RobotCar, TruthIsCarriedFromTheInertialSensorToTheCamera) {
+  // The vehicle is the stereo camera; the sensor is 2 m behind it and looks to the right.
+  write(sdk_ / "extrinsics" / "stereo.txt", "0 0 0 0 0 0\n");
+  write(sdk_ / "extrinsics" / "ins.txt", fmt::format("-2 0 0 0 0 {:.15f}\n", std::acos(0.0)));
+  // The camera drives north at 16 m/s: the sensor points east. Every other frame has no pose of its own.
+  std::string rows =
+      "timestamp,ins_status,latitude,longitude,altitude,northing,easting,down,utm_zone,velocity_north,"
+      "velocity_east,"
+      "velocity_down,roll,pitch,yaw\n";
+  for (int i = 0; i < 2; ++i)
+    rows += fmt::format("{},INS_SOLUTION_GOOD,51.7,-1.2,113,{},620000,-110,30U,16,0,0,0,0,{:.15f}\n",
+                        time(2 * i), 5735000.0 + 2.0 * i, std::acos(0.0));
+  write(drive_ / "gps" / "ins.csv", rows);
+  const auto dataset = open(drive_);
+  ASSERT_TRUE(dataset->ground_truth());
+  ASSERT_EQ(dataset->ground_truth()->size(), 3U);
+  const SE3 step = dataset->ground_truth()->front().T_wc.inverse() * (*dataset->ground_truth())[1].T_wc;
+  EXPECT_LT((step.translation - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 1e-6);
+  EXPECT_LT(step.angle(), 1e-6);
+  const SE3& T_ins_camera = mounting_of("ins", dataset->mountings(), "here").T_frame_camera;
+  EXPECT_LT((T_ins_camera.translation - Eigen::Vector3d(0.0, -2.0, 0.0)).norm(), 1e-6);
+  EXPECT_LT((T_ins_camera.rotation.col(2) + Eigen::Vector3d::UnitY()).norm(), 1e-6);
+
+  // The odometry of the data set, of the vehicle: a step ahead.
+  fs::remove_all(root() / drive_ / "gps");
+  write(drive_ / "vo" / "vo.csv", fmt::format("source_timestamp,destination_timestamp,x,y,z,roll,pitch,yaw\n{"
+                                              "},{},1,0,0,0,0,0\n{},{},1,0,0,0,0,0\n",
+                                              time(1), time(0), time(2), time(1)));
+  const auto by_odometry = open(drive_);
+  ASSERT_TRUE(by_odometry->ground_truth());
+  EXPECT_LT(((*by_odometry->ground_truth())[2].T_wc.translation - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(),
+            1e-9);
+  EXPECT_LT(((*by_odometry->ground_truth())[2].T_wc.rotation.col(2) - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+  EXPECT_NE(by_odometry->notes().front().find("visual odometry"), std::string::npos);
+
+  write(drive_ / "vo" / "vo.csv", "source_timestamp,x,y,z,roll,pitch,yaw\n1,2,3,4,5,6,7\n");
+  expect_error<InputError>([&] { open(drive_); }, {"vo.csv:1", "a column destination_timestamp"});
+  fs::remove_all(root() / sdk_ / "extrinsics");
+  write(drive_ / "gps" / "ins.csv", rows);
+  const auto without = open(drive_);
+  EXPECT_FALSE(without->ground_truth());
+  EXPECT_NE(without->notes().front().find("extrinsics/stereo.txt"), std::string::npos);
+}
+
+TEST_F(RobotCar, WhatIsMissingOfItsSdkIsNamed) {
+  fs::rename(root() / sdk_ / "models", root() / drive_ / "models");  // found there, too
+  EXPECT_EQ(open(drive_)->size(), 3);
+  write(drive_ / "models/stereo_wide_left_distortion_lut.bin", "short");
+  expect_error<InputError>([&] { open(drive_); },
+                           {"stereo_wide_left_distortion_lut.bin", "76800 bytes", "80 x 60", "5 bytes"});
+  write(drive_ / "models/stereo_wide_right.txt", "70 70 40 30 0\n0 0 1 0\n1 0 0 0.2\n0 1 0 0.3\n0 0 0 1\n");
+  write(drive_ / "models/stereo_wide_left.txt", "70 70 40\n");
+  expect_error<InputError>([&] { open(drive_); }, {"stereo_wide_left.txt:1", "4 numbers"});
+  fs::remove_all(root() / drive_ / "models");
+  expect_error<InputError>([&] { open(drive_); }, {"models/ of RobotCar's SDK", "robotcar-dataset-sdk"});
+  fs::remove_all(root() / drive_ / "stereo");
+  expect_error<InputError>([&] { open(drive_); }, {"RobotCar's layout without stereo/left"});
+}
+
 }  // namespace
 }  // namespace penumbra::slam
