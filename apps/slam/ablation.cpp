@@ -203,8 +203,8 @@ nlohmann::json run_cell(const AblationCell& cell, const std::filesystem::path& d
   record.finish();
 
   int occluded = 0;
-  for (const slam::FrameResult& result : record.results())
-    occluded += result.tracking.state == slam::TrackingState::occluded;
+  for (const slam::KeptFrame& frame : record.frames())
+    occluded += frame.state == slam::TrackingState::occluded;
   const slam::Trajectory& truth = *dataset->ground_truth();
   slam::EvaluationOptions options;
   options.segment_lengths = {10.0, 20.0, 40.0};

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "apps/common/interruption.h"
 #include "apps/common/log.h"
 #include "nn/base/counted.h"
 #include "nn/base/error.h"
@@ -115,6 +116,7 @@ void FrameInput::tell(SlamRun& run) const {
                 {"mean_delay_s", counts.mean_delay},
                 {"longest_delay_s", counts.longest_delay},
                 {"longest_silence_s", counts.longest_silence}};
+  if (Interruption::requested()) run.stream["ended_by"] = Interruption::signal_name();
   log_info(
       "the stream had {}, of which {} {} dropped; a frame waited {:.0f} ms at the mean, {:.0f} ms at most",
       counted(static_cast<std::uint64_t>(counts.read), "frame"), counts.dropped,

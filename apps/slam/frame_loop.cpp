@@ -64,8 +64,11 @@ void FrameLoop::run(const ResultPlaces& places) {
   Checkpoints checkpoints(options_.checkpoint);
   while (run_.error.empty()) {
     if (Interruption::requested()) {
-      run_.error = fmt::format("interrupted by {} after {}", Interruption::signal_name(),
-                               counted(record_.results().size(), "frame"));
+      // A stream ends when its user says so.
+      if (!input_.is_live()) {
+        run_.error = fmt::format("interrupted by {} after {}", Interruption::signal_name(),
+                                 counted(record_.frames().size(), "frame"));
+      }
       break;
     }
     try {
@@ -78,7 +81,7 @@ void FrameLoop::run(const ResultPlaces& places) {
       run_.error = error.what();
     }
     tell();
-    progress.update(static_cast<int>(record_.results().size()));
+    progress.update(static_cast<int>(record_.frames().size()));
     if (checkpoints.is_due()) {
       sum_up();
       checkpoints.write(places, record_, run_);
@@ -112,7 +115,7 @@ void FrameLoop::process() {
   if (dense_ != nullptr && images && dense_->add(input_.dataset().camera(), *images, result))
     record_.keep_masks_of(result.index);
   poses_.add(result);
-  // A stream may never end: of its frames less is kept.
+  // A stream may never end, and a checkpoint writes all of it: of its frames less is kept.
   if (input_.is_live()) result.tracking.filter.bins = {};
   const slam::FrameResult& kept = record_.add(std::move(result));
   if (view_ != nullptr) view_->add(kept, images ? images->left : ByteImage());

@@ -22,7 +22,8 @@ class FrameLoop {
   FrameLoop(const SlamOptions& options, FrameInput& input, slam::Slam& slam, slam::Recorder& record,
             slam::DenseMapper* dense, LiveView* view, SlamRun& run);
 
-  // Until the end, a signal, or an error, which is then in SlamRun::error.
+  // Until the end, a signal, or an error, which is then in SlamRun::error; so is the signal that ends a
+  // recording, while it is how a stream ends.
   void run(const ResultPlaces& places);
 
  private:

@@ -1,7 +1,10 @@
 // penumbra merge: one map of those that several recordings have left.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +25,8 @@
 namespace penumbra::apps {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 struct MergeOptions {
   std::vector<std::string> maps;
@@ -52,8 +57,33 @@ void print_parts(const MergeOptions& options, const slam::MergedMaps& merged) {
   }
 }
 
+bool hold_the_same(const std::string& a, const std::string& b) {
+  std::ifstream first(a, std::ios::binary), second(b, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return first && second && std::equal(Bytes(first), Bytes(), Bytes(second), Bytes());
+}
+
+// A map beside itself is no second recording: each of its places would be proven by itself.
+void require_different(const MergeOptions& options) {
+  std::error_code none;
+  for (std::size_t i = 0; i < options.maps.size(); ++i) {
+    const std::string& file = options.maps[i];
+    if (fs::equivalent(file, options.output, none))
+      throw UsageError(fmt::format("merge: {} is one of the maps and would be overwritten", options.output));
+    const auto bytes = fs::file_size(file, none);
+    for (std::size_t j = 0; j < i && !none; ++j) {
+      const std::string& before = options.maps[j];
+      if (fs::equivalent(before, file, none))
+        throw UsageError(fmt::format("merge: {} and {} are the same file", before, file));
+      if (fs::file_size(before, none) == bytes && hold_the_same(before, file))
+        throw UsageError(fmt::format("merge: {} and {} are the same map", before, file));
+    }
+  }
+}
+
 void merge(const MergeOptions& options) {
   if (options.maps.size() < 2) throw UsageError("merge: expected at least two maps");
+  require_different(options);
   const std::vector<std::unique_ptr<slam::Map>> maps = read_maps(options.maps);
   if (!options.out.empty()) nn::make_writable_folder(options.out);
   slam::MapMergerSettings settings;
@@ -65,11 +95,11 @@ void merge(const MergeOptions& options) {
       slam::merge_maps(maps, settings, [&](int done, int) { progress.update(done); });
   slam::write_map(options.output, *merged.map);
   if (!options.out.empty()) {
-    slam::write_ply(std::filesystem::path(options.out) / "map.ply", slam::point_cloud_of(*merged.map));
+    slam::write_ply(fs::path(options.out) / "map.ply", slam::point_cloud_of(*merged.map));
     slam::Trajectory poses;
     for (const slam::KeyFrame* keyframe : merged.map->keyframes())
       poses.push_back({keyframe->timestamp, keyframe->T_cw.inverse()});
-    slam::write_tum_trajectory(std::filesystem::path(options.out) / "keyframes_tum.txt", poses);
+    slam::write_tum_trajectory(fs::path(options.out) / "keyframes_tum.txt", poses);
   }
   print_parts(options, merged);
   fmt::print("{}: {}, {}, {}\n", options.output, counted(merged.map->keyframes().size(), "keyframe"),

@@ -52,7 +52,8 @@ loops, errors against the ground truth), frames.json (the same frame by frame), 
 --view the page is there while the run goes on.
 
 Ctrl-C, `kill` and a closed terminal end the run early, with all results; a second signal within three seconds ends it at
-once. Exit code 1: the run was stopped, nothing was located, or less than --require-tracked.)";
+once. Exit code 1: a recording was stopped before its end (a stream may be stopped at any time), nothing was located, or
+less than --require-tracked.)";
 
 }  // namespace
 
@@ -103,8 +104,10 @@ void add_slam_command(CLI::App& app) {
       ->excludes("--weights")
       ->type_name("DIR");
   add_key_option(command, options->key);
-  command->add_option("--classes", options->classes,
-                      "file of the weights' class names, one a line (default: the weights' own, or COCO)");
+  command
+      ->add_option("--classes", options->classes,
+                   "file of the weights' class names, one a line (default: the weights' own, or COCO)")
+      ->type_name("FILE");
   command
       ->add_option("--segmentation", options->segmentation,
                    "frames that are segmented: keyframes (and one after 0.15 s without any), every-N, all "

@@ -32,8 +32,10 @@ namespace {
 // Poses of the frames that were located.
 slam::Trajectory located(const slam::Recorder& record) {
   slam::Trajectory all = record.trajectory(), located;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (record.results()[i].tracking.state == slam::TrackingState::tracking) located.push_back(all[i]);
+  auto pose = all.begin();
+  for (const slam::KeptFrame& frame : record.frames()) {
+    if (frame.is_located()) located.push_back(*pose);
+    ++pose;
   }
   return located;
 }
@@ -57,7 +59,7 @@ void write_data(ResultWriter& writer, const ResultPlaces& places, const slam::Re
   write_path("body_tum.txt", run.body ? slam::poses_of_body(*run.body, estimate) : slam::Trajectory(),
              as_tum);
   writer.write([&] { nn::write_file(places.out / "run.json", to_text(slam_report(run, record))); });
-  writer.write([&] { nn::write_file(places.out / "frames.json", frames_report(record).dump() + "\n"); });
+  writer.write([&] { write_frames_report(places.out / "frames.json", record); });
   if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, record.slam().map()); });
   writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(record.slam().map())); });
 }

@@ -68,8 +68,8 @@ std::unique_ptr<slam::Map> load_map(const SlamOptions& options, const slam::Ster
 // says is the last line.
 void judge(const SlamOptions& options, const slam::Recorder& record, const SlamRun& run) {
   if (!run.error.empty()) throw Error(run.error);
-  if (record.results().empty()) throw Error("the recording ended before its first whole frame");
-  const double share = record.tracked() / static_cast<double>(record.results().size());
+  if (record.frames().empty()) throw Error("the recording ended before its first whole frame");
+  const double share = record.tracked() / static_cast<double>(record.frames().size());
   if (share < options.require_tracked) {
     throw Error(
         fmt::format("{}. --require-tracked asks for {:g} %", run.why_lost, 100.0 * options.require_tracked));
@@ -138,7 +138,7 @@ void run_slam(const SlamOptions& options) {
 
   set_thread_count(settings.threads);
   slam::Slam slam(dataset.camera(), dataset.sensor(), settings, segmenter, std::move(map));
-  slam::Recorder record(slam);
+  slam::Recorder record(slam, places.out);
   std::optional<LiveView> view;
   if (!options.view.empty()) {
     view.emplace(port, run, dataset.size(), record);
@@ -167,7 +167,7 @@ void run_slam(const SlamOptions& options) {
   const nlohmann::json report = slam_report(run, record);
   if (options.profile) fmt::print("{}", processor_table(report["processor_ms"]));
   print_summary(report, places.out);
-  if (view && !record.results().empty()) view->finish(places.out);
+  if (view && !record.frames().empty()) view->finish(places.out);
   judge(options, record, run);
 }
 

@@ -45,8 +45,8 @@ struct SlamOptions {
 slam::SlamSettings make_settings(const SlamOptions& options);
 
 // Throws UsageError for options that do not fit together; InputError and Error for what cannot be read or
-// written, where the run was stopped, and where too few frames were located. All results that there are are
-// written before.
+// written, where a recording was stopped, and where too few frames were located. All results that there are
+// are written before.
 void run_slam(const SlamOptions& options);
 
 }  // namespace penumbra::apps

@@ -1,26 +1,52 @@
 #include "apps/view/frames_report.h"
 
-#include <cmath>
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/common/rounded.h"
+#include "nn/base/file_in_the_making.h"
 
 namespace penumbra::apps {
 
 namespace {
 
-nlohmann::json histogram(const slam::MismatchFilterReport& report) {
-  if (report.bins.empty()) return nullptr;
+nlohmann::json histogram(const slam::Recorder& record, const slam::KeptFrame& frame) {
+  if (frame.bars == 0) return nullptr;
   std::vector<int> kept, removed;
-  for (const auto& bin : report.bins) {
-    kept.push_back(bin.kept);
-    removed.push_back(bin.removed);
+  for (const slam::FilterBar& bar : record.bars(frame)) {
+    kept.push_back(bar.kept);
+    removed.push_back(bar.removed);
   }
-  const auto& first = report.bins.front();
-  return {{"from", to_a_millionth(first.from)},
-          {"width", to_a_millionth(first.to - first.from)},
+  return {{"from", to_a_millionth(frame.bar_from)},
+          {"width", to_a_millionth(frame.bar_width)},
           {"kept", kept},
           {"removed", removed}};
 }
+
+// Writes what is there of a text whenever it has become long.
+class TextFile {
+ public:
+  explicit TextFile(const std::filesystem::path& path) : file_(path) {}
+  void add(const std::string& text) {
+    text_ += text;
+    if (text_.size() < kAtOnce) return;
+    file_.write(text_.data(), text_.size());
+    text_.clear();
+  }
+  void commit() {
+    file_.write(text_.data(), text_.size());
+    file_.commit();
+  }
+
+ private:
+  static constexpr std::size_t kAtOnce = 65536;
+  nn::FileInTheMaking file_;
+  std::string text_;
+};
 
 }  // namespace
 
@@ -38,27 +64,31 @@ const char* name_of(slam::TrackingState state) {
   return "lost";
 }
 
-nlohmann::json frames_report(const slam::Recorder& record) {
-  nlohmann::json json;
-  for (const char* key : {"index", "timestamp", "state", "ms", "features", "stereo_features",
-                          "movable_features", "covered_share", "matches", "inliers", "keyframe", "filter"}) {
-    json[key] = nlohmann::json::array();
-  }
-  for (const slam::FrameResult& r : record.results()) {
-    json["index"].push_back(r.index);
-    json["timestamp"].push_back(r.timestamp);
-    json["state"].push_back(name_of(r.tracking.state));
-    json["ms"].push_back(to_a_millionth(r.milliseconds));
-    json["features"].push_back(r.features);
-    json["stereo_features"].push_back(r.stereo_features);
-    json["movable_features"].push_back(r.movable_features);
-    json["covered_share"].push_back(to_a_millionth(r.covered_share));
-    json["matches"].push_back(r.tracking.frame_matches);
-    json["inliers"].push_back(r.tracking.map_inliers);
-    json["keyframe"].push_back(r.keyframe);
-    json["filter"].push_back(histogram(r.tracking.filter));
-  }
-  return json;
+void write_frames_report(const std::filesystem::path& path, const slam::Recorder& record) {
+  TextFile file(path);
+  const char* before = "{";
+  const auto column = [&](const char* name, const auto& value_of) {
+    file.add(fmt::format("{}\"{}\":[", std::exchange(before, ","), name));
+    const char* between = "";
+    for (const slam::KeptFrame& frame : record.frames())
+      file.add(std::exchange(between, ",") + nlohmann::json(value_of(frame)).dump());
+    file.add("]");
+  };
+  using Frame = const slam::KeptFrame&;
+  column("covered_share", [](Frame f) { return to_a_millionth(f.covered_share); });
+  column("features", [](Frame f) { return f.features; });
+  column("filter", [&](Frame f) { return histogram(record, f); });
+  column("index", [](Frame f) { return f.index; });
+  column("inliers", [](Frame f) { return f.map_inliers; });
+  column("keyframe", [](Frame f) { return f.keyframe; });
+  column("matches", [](Frame f) { return f.frame_matches; });
+  column("movable_features", [](Frame f) { return f.movable_features; });
+  column("ms", [](Frame f) { return to_a_millionth(f.milliseconds); });
+  column("state", [](Frame f) { return name_of(f.state); });
+  column("stereo_features", [](Frame f) { return f.stereo_features; });
+  column("timestamp", [](Frame f) { return f.timestamp; });
+  file.add("}\n");
+  file.commit();
 }
 
 }  // namespace penumbra::apps

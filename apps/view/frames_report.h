@@ -1,7 +1,7 @@
 // frames.json: what happened frame by frame; `penumbra report` draws it.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <filesystem>
 
 #include "slam/pipeline/recorder.h"
 
@@ -12,7 +12,8 @@ const char* name_of(slam::TrackingState state);
 // One array a quantity, one entry a frame: index, timestamp (s), state, ms, features, stereo_features,
 // movable_features, matches, inliers, keyframe, and filter: the mismatch filter's histogram as {from, width
 // (pixels moved, or from where the compensated filter expects them), kept [a bin], removed [a bin]}, null
-// where it did not run.
-nlohmann::json frames_report(const slam::Recorder& record);
+// where it did not run or was not kept. Written as it is read from the recorder: memory does not grow with
+// the frames. Whole or not at all; throws Error where it cannot be written.
+void write_frames_report(const std::filesystem::path& path, const slam::Recorder& record);
 
 }  // namespace penumbra::apps

@@ -35,8 +35,8 @@ void write_keyframe_gallery(const std::filesystem::path& folder, const slam::Ste
   clear_keyframe_gallery(folder);
   std::filesystem::create_directories(folder);
   std::map<int, int> row_of;  // frame number -> place in the dataset
-  for (std::size_t i = 0; i < record.results().size(); ++i)
-    row_of[record.results()[i].index] = static_cast<int>(i);
+  int row_number = 0;
+  for (const slam::KeptFrame& frame : record.frames()) row_of[frame.index] = row_number++;
   const auto& keyframes = record.slam().map().keyframes();
   const int count = static_cast<int>(keyframes.size()), shown = std::min(count, most);
   for (int n = 0; n < shown; ++n) {

@@ -158,14 +158,19 @@ struct Way {
 };
 Way way_of(const slam::Recorder& record) {
   Way way;
-  const slam::Trajectory trajectory = record.trajectory();
-  const auto is_located = [&](std::size_t i) {
-    return record.results()[i].tracking.state == slam::TrackingState::tracking;
-  };
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    if (!is_located(i - 1) || !is_located(i) || record.results()[i].tracking.starts_submap) continue;
-    way.metres += (trajectory[i].T_wc.translation - trajectory[i - 1].T_wc.translation).norm();
-    way.seconds += trajectory[i].timestamp - trajectory[i - 1].timestamp;
+  std::optional<slam::TimedPose> before;  // the last frame, where it was located
+  const std::shared_lock lock(record.slam().map().mutex());
+  for (const slam::KeptFrame& frame : record.frames()) {
+    if (!frame.is_located()) {
+      before.reset();
+      continue;
+    }
+    const slam::TimedPose here{frame.timestamp, frame.place().T_wc()};
+    if (before && !frame.starts_submap) {
+      way.metres += (here.T_wc.translation - before->T_wc.translation).norm();
+      way.seconds += here.timestamp - before->timestamp;
+    }
+    before = here;
   }
   return way;
 }
@@ -226,15 +231,15 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   int filter_kept = 0, filter_removed = 0, movable_features = 0;
   slam::StaticPointCount points;
   std::vector<int> lost_frames, occluded_frames;
-  for (const slam::FrameResult& result : record.results()) {
-    filter_kept += result.tracking.filter.kept;
-    filter_removed += result.tracking.filter.removed;
-    movable_features += result.movable_features;
-    points.left_out += result.static_points.left_out;
-    points.compared += result.static_points.compared;
-    points.given_back += result.static_points.given_back;
-    if (result.tracking.state != slam::TrackingState::tracking) lost_frames.push_back(result.index);
-    if (result.tracking.state == slam::TrackingState::occluded) occluded_frames.push_back(result.index);
+  for (const slam::KeptFrame& frame : record.frames()) {
+    filter_kept += frame.filter_kept;
+    filter_removed += frame.filter_removed;
+    movable_features += frame.movable_features;
+    points.left_out += frame.static_points.left_out;
+    points.compared += frame.static_points.compared;
+    points.given_back += frame.static_points.given_back;
+    if (!frame.is_located()) lost_frames.push_back(frame.index);
+    if (frame.state == slam::TrackingState::occluded) occluded_frames.push_back(frame.index);
   }
   const MapSummary map = summary_of(record);
   const Way way = way_of(record);
@@ -251,7 +256,7 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
   if (!run.stream.is_null()) json["stream"] = run.stream;
   if (!run.why_lost.empty()) json["why_lost"] = run.why_lost;
   json["settings"] = settings_json(run, record.slam().settings());
-  json["frames"] = record.results().size();
+  json["frames"] = record.frames().size();
   json["tracked"] = record.tracked();
   json["lost"] = record.lost();
   json["lost_frames"] = lost_frames;
@@ -276,13 +281,13 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
                             {"most", to_a_thousandth(quantile_of(delays, 1.0))}};
   }
   if (run.peak_arena_bytes > 0) json["peak_arena_bytes"] = run.peak_arena_bytes;
-  const double frames = static_cast<double>(std::max<std::size_t>(record.results().size(), 1));
+  const double frames = static_cast<double>(std::max<std::size_t>(record.frames().size(), 1));
   json["cpu_ms_per_frame"] = to_a_thousandth(1000.0 * run.cpu_seconds / frames);
   StageTimer tracking = run.dense_times;
   tracking.merge(record.slam().timer());
   StageTimer times = run.input_times;
   times.merge(tracking);
-  json["processor_ms"] = processor_report(times.processor(), run.cpu_seconds, record.results().size());
+  json["processor_ms"] = processor_report(times.processor(), run.cpu_seconds, record.frames().size());
   json["peak_rss_mb"] = to_a_thousandth(run.peak_rss_mb);
   for (const auto& [stage, spent] : tracking.stages()) {
     const double median = to_a_thousandth(quantile_of(spent.values(), 0.5));

@@ -125,30 +125,12 @@ void LocalMapper::give_patches(KeyFrame* keyframe) {
 }
 
 void LocalMapper::cull_keyframes(const KeyFrame& newest) {
+  const double close = close_depth(map_.camera(), settings_.point_creation);
   for (const Covisible& c : std::vector<Covisible>(newest.covisibles)) {
     // The one before the newest stays: the tracker may still lean on it.
     if (c.keyframe->id == 0 || c.keyframe->id >= newest.id - 1) continue;
-    if (is_redundant(*c.keyframe)) map_.erase_keyframe(c.keyframe);
+    if (is_redundant(*c.keyframe, close, settings_.culling)) map_.erase_keyframe(c.keyframe);
   }
-}
-
-bool LocalMapper::is_redundant(const KeyFrame& keyframe) const {
-  constexpr int kOthers = 3;
-  const double close = close_depth(map_.camera(), settings_.point_creation);
-  int points = 0, redundant = 0;
-  for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
-    const MapPoint* point = keyframe.points[i];
-    const float depth = keyframe.features->depth[i];
-    if (point == nullptr || depth < 0.0F || depth > close) continue;
-    ++points;
-    const int level = keyframe.features->keypoint(static_cast<int>(i)).level;
-    int others = 0;
-    for (const Observation& o : point->observations) {
-      others += o.keyframe != &keyframe && o.keyframe->features->keypoint(o.feature).level <= level + 1;
-    }
-    redundant += others >= kOthers;
-  }
-  return points > 0 && redundant > settings_.redundant_share * points;
 }
 
 }  // namespace penumbra::slam

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "nn/base/stage_timer.h"
+#include "slam/backend/keyframe_culling.h"
 #include "slam/backend/local_bundle_adjustment.h"
 #include "slam/backend/point_creation.h"
 #include "slam/map/map.h"
@@ -24,7 +25,7 @@ struct LocalMapperSettings {
   LocalBundleSettings bundle;
   int fuse_neighbours = 5;          // keyframes whose points are compared with the new one's
   double least_found_ratio = 0.25;  // a recent point found in fewer of the frames that should see it goes
-  double redundant_share = 0.9;  // a keyframe goes if this share of its close points is seen in three others
+  KeyframeCullingSettings culling;
 };
 
 class LocalMapper {
@@ -52,7 +53,6 @@ class LocalMapper {
   void cull_recent_points(const KeyFrame& newest);
   void fuse_with_neighbours(KeyFrame* keyframe);
   void cull_keyframes(const KeyFrame& newest);
-  bool is_redundant(const KeyFrame& keyframe) const;
 
   Map& map_;
   const LocalMapperSettings settings_;

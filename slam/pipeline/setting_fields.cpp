@@ -117,7 +117,7 @@ void add(FieldList f, LocalMapperSettings& s) {
   bundle.count("iterations", s.bundle.iterations, "iterations");
   f.count("fuse_neighbours", s.fuse_neighbours, "keyframes");
   f.share("least_found_ratio", s.least_found_ratio);
-  f.share("redundant_share", s.redundant_share);
+  f.share("redundant_share", s.culling.redundant_share);
 }
 
 void add(FieldList f, PlaceIndexSettings& s) {

@@ -2,15 +2,21 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <csignal>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "nn/base/file.h"
 #include "nn/image/image_file.h"
+#include "tests/bench/piped_program.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_data.h"
 
@@ -113,6 +119,28 @@ TEST_F(Stream, ThatFallsSilentIsWaitedForAndLocatedAgain) {
   EXPECT_NE(stream.err.find("stream: frames again after 2."), std::string::npos) << stream.err;
   EXPECT_EQ(std::count(stream.out.begin(), stream.out.end(), '\n'), kFrames + 6) << stream.err;
   EXPECT_GT(report().at("stream").at("longest_silence_s"), 2.3);
+}
+
+// Its end is when its user says so: no failure, all results.
+TEST_F(Stream, IsEndedByItsUser) {
+  PipedProgram program = start_piped({test::penumbra_program(), "slam", "-", "--camera", path("rig.yaml"),
+                                      "--every-frame", "--poses", "-", "--out", path("out")});
+  const std::string bytes = test::read_file(path("street.y4m"));
+  ASSERT_EQ(::write(program.input, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  FILE* const poses = ::fdopen(program.output, "r");
+  std::array<char, 512> line{};
+  for (int i = 0; i < kFrames; ++i)
+    ASSERT_NE(std::fgets(line.data(), static_cast<int>(line.size()), poses), nullptr);
+  ASSERT_EQ(::kill(program.process, SIGINT), 0);
+  int status = 0;
+  ASSERT_EQ(::waitpid(program.process, &status, 0), program.process);
+  std::fclose(poses);
+  ::close(program.input);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_FALSE(report().contains("error"));
+  EXPECT_EQ(report().at("stream").at("ended_by"), "SIGINT");
+  EXPECT_EQ(report().at("tracked"), kFrames);
 }
 
 TEST_F(Stream, NeedsACameraAndAReader) {

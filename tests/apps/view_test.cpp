@@ -94,7 +94,7 @@ class View : public ::testing::Test {
 
   void drive(int frames) {
     for (int i = 0; i < frames; ++i) {
-      const slam::StereoImages images = dataset->load(static_cast<int>(record.results().size()));
+      const slam::StereoImages images = dataset->load(static_cast<int>(record.frames().size()));
       view.add(record.add(slam.process(images)), images.left);
     }
   }
@@ -129,7 +129,7 @@ TEST_F(View, TellsWhatIsNewSinceTheLastAnswer) {
   int keyframes = 0;
   for (int i = 0; i < 7; ++i) {
     const auto row = static_cast<std::size_t>(i);
-    keyframes += record.results()[row].keyframe;
+    keyframes += record.frames()[row].keyframe;
     EXPECT_EQ(first["rows"]["index"][row], i);
     EXPECT_GT(first["rows"]["ms"][row], 0.0);
     const Eigen::Vector3d position = record.trajectory()[row].T_wc.translation;

@@ -52,11 +52,12 @@ TemporaryDirectory::~TemporaryDirectory() {
   std::filesystem::remove_all(path_, ignored);
 }
 
+std::string penumbra_program() { return PENUMBRA_BINARY; }
+
 ProgramResult run_penumbra(const std::string& arguments, const std::filesystem::path& input) {
   const TemporaryDirectory scratch;
-  const std::string command = std::string(PENUMBRA_BINARY) + " " + arguments + " >" +
-                              (scratch / "out").string() + " 2>" + (scratch / "err").string() + " <'" +
-                              input.string() + "'";
+  const std::string command = penumbra_program() + " " + arguments + " >" + (scratch / "out").string() +
+                              " 2>" + (scratch / "err").string() + " <'" + input.string() + "'";
   const int status = std::system(command.c_str());
   ProgramResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

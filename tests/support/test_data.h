@@ -41,6 +41,8 @@ struct ProgramResult {
   int exit_code = 0;  // 128 + signal where a signal ended it
   std::string out, err;
 };
+// The file of the program that is tested.
+std::string penumbra_program();
 // Runs `penumbra ARGUMENTS` (a shell command line) with the file `input` as its standard input, and waits for
 // it.
 ProgramResult run_penumbra(const std::string& arguments, const std::filesystem::path& input = "/dev/null");

@@ -5,8 +5,10 @@
 // An image that resembles a keyframe teaches the map nothing; one whose best similarity to the keyframes is
 // low becomes a keyframe. Far points stay in view for long and near ones leave it soon, but it is these that
 // measure how far the camera goes: a frame that shows few of the close points and has others to offer becomes
-// a keyframe, too, and so does the first after a while without any. All of it is relative to the keyframe or
-// in seconds, so that it means the same for 500 features as for 2000, at 10 frames a second as at 30.
+// a keyframe, too. So does the first after a while without any on new ground, where the newest keyframe is
+// the one that it resembles most: a street that is driven every night, or a block that is driven all day,
+// teaches nothing by being driven slowly. All of it is relative to the keyframe or in seconds, so that it
+// means the same for 500 features as for 2000, at 10 frames a second as at 30.
 //
 // More keyframes than these cost time and memory and hardly make the path better (docs/slam/mapping.md).
 //
@@ -31,7 +33,7 @@ struct KeyframeSettings {
 double similarity(const Frame& frame, const KeyFrame& keyframe);
 
 // `frame`: one that was located, with the points that it shows; `most_similar`: the keyframe that shares the
-// most points with it; `seconds_since`: the newest keyframe.
+// most points with it; `seconds_since`: that one, where it is the newest, otherwise 0.
 bool becomes_keyframe(const Frame& frame, const KeyFrame& most_similar, double seconds_since,
                       const KeyframeSettings& settings);
 

@@ -49,8 +49,8 @@ TrackingReport Tracker::track(Frame& frame, const SecondLook& second_look) {
   finish(frame, located, stepped);
   report.wants_keyframe = sharp_enough(
       frame, settings_.extends_map && located &&
-                 (report.off_map || becomes_keyframe(frame, *reference_, frame.timestamp - keyframe_time_,
-                                                     settings_.keyframes)));
+                 (report.off_map ||
+                  becomes_keyframe(frame, *reference_, seconds_on_new_ground(frame), settings_.keyframes)));
   const bool occluded = state_ == TrackingState::occluded;
   const int patience = occluded ? settings_.occluded_before_restart : settings_.lost_before_restart;
   if (settings_.extends_map && lost_with_view_ >= patience && steps_ >= settings_.steps_before_restart) {
@@ -216,8 +216,7 @@ void Tracker::remember(Frame& frame) {
 }
 
 void Tracker::set_keyframe(KeyFrame* keyframe) {
-  reference_ = keyframe;
-  keyframe_time_ = keyframe->timestamp;
+  newest_keyframe_ = reference_ = keyframe;
   last_.set_keyframe(keyframe);
 }
 

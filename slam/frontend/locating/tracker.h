@@ -34,7 +34,6 @@
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <optional>
 
 #include "nn/base/stage_timer.h"
@@ -126,6 +125,10 @@ class Tracker {
   void remember(Frame& frame);
   void refresh_map();
   bool is_covered(const Frame& frame) const { return frame.covered_share >= settings_.occluded_share; }
+  // Since the newest keyframe, as long as the frame resembles none more than that one.
+  double seconds_on_new_ground(const Frame& frame) const {
+    return reference_ == newest_keyframe_ ? frame.timestamp - reference_->timestamp : 0.0;
+  }
   bool sharp_enough(const Frame& frame, bool wanted);
   void finish(Frame& frame, bool located, bool stepped);
 
@@ -143,9 +146,9 @@ class Tracker {
   double previous_time_ = 0.0;       // seconds
   int pairs_ = 0, map_inliers_ = 0;  // of the last frame: with the one before, map points
   MotionModel motion_;
-  Hypothesis best_, other_, spare_;  // of the frame; they keep their memory
-  KeyFrame* reference_ = nullptr;    // the keyframe that shares the most points with the last frame
-  double keyframe_time_ = std::numeric_limits<double>::lowest();  // seconds; of the newest keyframe
+  Hypothesis best_, other_, spare_;            // of the frame; they keep their memory
+  KeyFrame* reference_ = nullptr;              // the keyframe that shares the most points with the last frame
+  const KeyFrame* newest_keyframe_ = nullptr;  // of this run
   SharpnessTest sharpness_;
   int blurred_candidates_ = 0;    // in a row
   int lost_with_view_ = 0;        // lost frames in a row that showed enough to begin a map

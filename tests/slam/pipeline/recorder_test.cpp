@@ -24,6 +24,51 @@ std::vector<Instance> two_people() {
           {.class_name = "chair", .region = {70, 20, 10, 10}, .mask = {}}};
 }
 
+// Of more frames than it has in memory.
+TEST(Recorder, GivesBackFramesAndTheirHistograms) {
+  constexpr int kFrames = 3000;
+  Slam slam(kRecordedCamera, Sensor::rgbd, {});
+  Recorder record(slam);
+  for (int i = 0; i < kFrames; ++i) {
+    FrameResult result = recorded_frame(2 * i, i % 7 == 0);
+    result.timestamp = 0.1 * i;
+    result.features = i % 900;
+    result.tracking.state = i % 5 == 0 ? TrackingState::lost : TrackingState::tracking;
+    result.tracking.map_inliers = i + 1;
+    result.place.T_c_reference.translation = {1.0 * i, 0.0, -1.0};
+    result.place.T_c_reference.rotation = so3_exp({0.0, 0.001 * i, 0.0});
+    for (int b = 0; b < i % 4; ++b)
+      result.tracking.filter.bins.push_back({0.5 + 2.0 * b, 2.5 + 2.0 * b, i + b, b});
+    EXPECT_EQ(record.add(result).index, 2 * i);
+  }
+  ASSERT_EQ(record.frames().size(), static_cast<std::size_t>(kFrames));
+  EXPECT_GT(record.frames().bytes_on_disk(), kFrames * sizeof(KeptFrame) / 2);
+  EXPECT_EQ(record.lost(), kFrames / 5);
+  int i = 0;
+  for (const KeptFrame& frame : record.frames()) {
+    ASSERT_EQ(frame.index, 2 * i);
+    ASSERT_EQ(frame.timestamp, 0.1 * i);
+    ASSERT_EQ(frame.features, i % 900);
+    ASSERT_EQ(frame.keyframe, i % 7 == 0);
+    ASSERT_EQ(frame.is_located(), i % 5 != 0);
+    ASSERT_EQ(frame.map_inliers, i + 1);
+    ASSERT_EQ(frame.place().T_c_reference.translation.x(), 1.0 * i);
+    ASSERT_EQ(frame.place().T_c_reference.rotation, so3_exp({0.0, 0.001 * i, 0.0}));
+    const std::vector<FilterBar> bars = record.bars(frame);
+    ASSERT_EQ(bars.size(), static_cast<std::size_t>(i % 4));
+    for (int b = 0; b < i % 4; ++b) {
+      ASSERT_EQ(bars[static_cast<std::size_t>(b)].kept, i + b);
+      ASSERT_EQ(bars[static_cast<std::size_t>(b)].removed, b);
+    }
+    if (!bars.empty()) {
+      ASSERT_EQ(frame.bar_from, 0.5);
+      ASSERT_EQ(frame.bar_width, 2.0);
+    }
+    ++i;
+  }
+  EXPECT_EQ(i, kFrames);
+}
+
 TEST(Recorder, KeepsMasksAtHalfTheSize) {
   Slam slam(kRecordedCamera, Sensor::rgbd, {});
   Recorder record(slam);
