@@ -31,6 +31,12 @@ void make_plan(PlanOptions& options) {
   const std::string folder = plan.folder.string();
   if (folder.find_first_of("\t\n") != folder.npos)  // would end a word of jobs.tsv
     throw InputError(printable(folder), "a path without tabs and line ends", "one with them");
+  std::error_code none;
+  for (const char* file : kFleetPlanFiles) {
+    if (std::filesystem::equivalent(std::filesystem::path(options.out) / file, options.manifest, none))
+      throw InputError(options.manifest, "a manifest that the plan does not overwrite",
+                       fmt::format("{}/{}", options.out, file));
+  }
   write_fleet_plan(options.out, plan);
   fmt::print("{0}: {1}. {0}/submit.sh for Slurm, {0}/here.sh for this machine.\n", options.out,
              counted(plan.recordings.size(), "recording"));
@@ -79,6 +85,13 @@ void add_plan_command(CLI::App& fleet) {
   command->add_option("--time", plan.time, "of each job at most, as Slurm writes it")->capture_default_str();
   command->add_option("--at-once", plan.at_once, "recordings at the same time at most (default: no bound)")
       ->check(CLI::Range(1, 1'000'000));
+  command
+      ->add_option(
+          "--district", plan.district_size,
+          "recordings that are merged first where there are more, 0: all at once (default: up to 40 at "
+          "once, of more the square root)")
+      ->check(CLI::Range(0, 1'000'000))
+      ->type_name("N");
   command
       ->add_option("--sbatch", plan.sbatch, "one more option of sbatch for every job, such as --account=lab")
       ->type_name("OPTION")

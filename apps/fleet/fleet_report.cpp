@@ -143,6 +143,13 @@ std::vector<FleetRow> read_fleet(const fs::path& plan) {
 
 std::string why_not_merged(const fs::path& plan) {
   if (fs::exists(plan / "merged/done")) return {};
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(plan / "merged", none)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("district-") || fs::exists(entry.path() / "done")) continue;
+    const std::string words = last_words_of(entry.path() / "log.txt");
+    if (!words.empty()) return name + ": " + words;
+  }
   const std::string words = last_words_of(plan / "merged/log.txt");
   return words.empty() ? "not begun" : words;
 }

@@ -71,7 +71,7 @@ class InFolder {
   std::filesystem::path before_;
 };
 
-void require_existing(const std::string& path, const std::string& place, const char* what) {
+void require_existing(const std::string& path, const std::string& place, const std::string& what) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     throw InputError(place, what, printable(path) + ", which is not there");
@@ -96,6 +96,12 @@ void require_options(const std::vector<std::string>& arguments, const std::strin
     app.parse(words);
   } catch (const CLI::ParseError& error) {
     throw InputError(place, "options of penumbra slam", error.what());
+  }
+  for (const CLI::Option* option : app.get_subcommand("slam")->get_options()) {
+    const std::string type = option->get_type_name();
+    if (!type.starts_with("FILE") && !type.starts_with("DIR")) continue;
+    for (const std::string& named : option->results())
+      require_existing(named, place, "what " + option->get_name() + " names");
   }
 }
 

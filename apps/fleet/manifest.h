@@ -22,8 +22,9 @@ struct FleetRecording {
 };
 
 // Throws InputError naming the line where a word is missing or its quotes do not end, a name cannot be a
-// folder's or stands twice, a recording or calibration does not exist, options are none of `penumbra slam`
-// or say what the plan says (--out, --save-map, --load-map); where there is no recording at all.
+// folder's or stands twice, a recording, a calibration or a file that an option names (--weights, --masks)
+// does not exist, options are none of `penumbra slam` or say what the plan says (--out, --save-map,
+// --load-map); where there is no recording at all.
 std::vector<FleetRecording> read_fleet_manifest(const std::filesystem::path& path);
 
 }  // namespace penumbra::apps

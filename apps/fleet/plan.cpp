@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "apps/common/command_line.h"
 #include "apps/view/embedded_files.h"
 #include "nn/base/file.h"
@@ -9,6 +11,14 @@
 namespace penumbra::apps {
 
 namespace {
+
+// As many districts as there are recordings in one: the merges of either kind are equally large, and neither
+// has more than a few dozen maps.
+std::size_t district_size_of(std::size_t recordings) {
+  constexpr std::size_t kAllAtOnce = 40;
+  if (recordings <= kAllAtOnce) return 0;
+  return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(recordings))));
+}
 
 std::string settings_of(const FleetPlan& plan) {
   std::string all;
@@ -22,9 +32,11 @@ std::string settings_of(const FleetPlan& plan) {
       "all_options=({})\n"
       "recording_options=(--cpus-per-task={} --mem={} --time={})\n"
       "merge_options=(--cpus-per-task={} --mem={} --time={})\n"
-      "at_once={} # recordings at the same time; 0: as many as there is place for\n",
+      "at_once={} # recordings at the same time; 0: as many as there is place for\n"
+      "district_size={} # recordings that are merged first, where there are more; 0: all at once\n",
       in_shell_quotes(plan.program), all, plan.processors, plan.memory_mb, in_shell_quotes(plan.time),
-      plan.processors, plan.merge_memory_mb, in_shell_quotes(plan.time), plan.at_once);
+      plan.processors, plan.merge_memory_mb, in_shell_quotes(plan.time), plan.at_once,
+      plan.district_size.value_or(district_size_of(plan.recordings.size())));
 }
 
 }  // namespace

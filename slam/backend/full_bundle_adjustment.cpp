@@ -10,12 +10,6 @@
 
 namespace penumbra::slam {
 
-namespace {
-
-constexpr double kLeastOffset = 0.05;  // pixels
-
-}  // namespace
-
 FullBundleAdjustment::FullBundleAdjustment(const Map& map, int submap, const FullBundleSettings& settings)
     : settings_(settings) {
   problem_.camera = map.camera();
@@ -61,7 +55,7 @@ void FullBundleAdjustment::solve(const std::atomic<bool>* stop) {
   problem_.disparity_offset_sigma = settings_.disparity_offset_sigma;
   report_.final = solve_bundle(problem_, pass);
   const double offset = problem_.camera.disparity_offset;
-  if (problem_.disparity_offset_sigma > 0.0 && std::abs(offset) < kLeastOffset) {
+  if (problem_.disparity_offset_sigma > 0.0 && std::abs(offset) < kLeastDisparityOffset) {
     problem_.camera.disparity_offset = problem_.disparity_offset_sigma = 0.0;
     report_.final = solve_bundle(problem_, pass);
     // Stopped before it began: the map still fits the offset.

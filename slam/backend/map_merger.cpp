@@ -30,6 +30,18 @@ std::vector<std::size_t> own_order(const std::vector<std::unique_ptr<Map>>& maps
   return order;
 }
 
+// Pixels: the mean of what the maps' own adjustments have found, by keyframes.
+double disparity_offset_of(const std::vector<std::unique_ptr<Map>>& maps,
+                           const std::vector<std::size_t>& order) {
+  double sum = 0.0, keyframes = 0.0;
+  for (const std::size_t m : order) {
+    const auto weight = static_cast<double>(maps[m]->keyframes().size());
+    sum += weight * maps[m]->camera().disparity_offset;
+    keyframes += weight;
+  }
+  return keyframes > 0.0 ? sum / keyframes : 0.0;
+}
+
 void adjust(Map& map, int submap, const FullBundleSettings& settings) {
   FullBundleAdjustment adjustment(map, submap, settings);
   adjustment.solve();
@@ -214,6 +226,7 @@ MergedMaps merge_maps(const std::vector<std::unique_ptr<Map>>& maps, const MapMe
   const Map& largest = *maps[order.front()];
   merged.map = std::make_unique<Map>(largest.camera(), largest.scales());
   Map& map = *merged.map;
+  map.set_disparity_offset(disparity_offset_of(maps, order));
   PlaceIndex index;
   std::vector<Appended> appended;
   int keyframes = 0;
@@ -246,7 +259,9 @@ MergedMaps merge_maps(const std::vector<std::unique_ptr<Map>>& maps, const MapMe
   for (const int submap : grown) {
     const bool is_there = std::any_of(map.keyframes().begin(), map.keyframes().end(),
                                       [&](const KeyFrame* keyframe) { return keyframe->submap == submap; });
-    if (is_there) adjust(map, submap, settings.adjustment);
+    if (!is_there) continue;
+    cull_redundant_keyframes(map, submap, close_depth(map.camera(), settings.points), settings.culling);
+    adjust(map, submap, settings.adjustment);
   }
   map.collect_erased();
   merged.parts.resize(maps.size());

@@ -8,7 +8,11 @@
 //     several keyframes agree on where that is?     (place_sightings.h)
 //     -> the younger piece moves to the older one as a whole, or, where both are one piece already, the map
 //        is corrected as at a loop; points that are the same are fused   (map_correction.h)
-//   adjust each piece that grew as a whole          (full_bundle_adjustment.h)
+//   of each piece that grew: keyframes that the others make redundant go   (keyframe_culling.h)
+//     -> what is left is adjusted as a whole        (full_bundle_adjustment.h)
+//
+// The camera's disparity offset is the mean of the maps', by their keyframes, and not adjusted again: each
+// recording has found it by itself, and what the seams of a merged map leave would be taken for it.
 //
 // Nothing is known beforehand of where maps are relative to each other, so that proof is geometry alone. A
 // wrong tie ruins both maps, a missed one costs a chance: settings are those of loops, with one keyframe more
@@ -25,13 +29,20 @@
 #include <vector>
 
 #include "slam/backend/full_bundle_adjustment.h"
+#include "slam/backend/keyframe_culling.h"
 #include "slam/backend/loop_closer.h"
+#include "slam/backend/point_creation.h"
 
 namespace penumbra::slam {
 
 struct MapMergerSettings {
-  MapMergerSettings() { loops.consistent = 4; }
+  MapMergerSettings() {
+    loops.consistent = 4;
+    adjustment.disparity_offset_sigma = 0.0;
+  }
   LoopCloserSettings loops;
+  PointCreationSettings points;  // for what counts as close
+  KeyframeCullingSettings culling;
   FullBundleSettings adjustment;
 };
 

@@ -1,8 +1,10 @@
 #include "slam/backend/pose_graph.h"
 
-#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <utility>
 
 #include "nn/base/error.h"
+#include "slam/backend/block_cholesky.h"
 
 namespace penumbra::slam {
 
@@ -27,6 +29,30 @@ class Solver {
  public:
   explicit Solver(PoseGraph& graph) : graph_(graph), steps_(graph.poses.size(), Vector6d::Zero()) {
     for (const char fixed : graph.fixed) slot_.push_back(fixed ? -1 : free_++);
+    std::vector<std::vector<int>> columns(static_cast<std::size_t>(free_));
+    for (int a = 0; a < free_; ++a) columns[std::size_t(a)].push_back(a);
+    for (const PoseGraphEdge& edge : graph.edges) {
+      const auto [a, b] = ends(edge);
+      if (a >= 0) columns[std::size_t(a)].push_back(b);
+    }
+    first_block_.assign(1, 0);
+    for (std::vector<int>& row : columns) {
+      std::sort(row.begin(), row.end());
+      row.erase(std::unique(row.begin(), row.end()), row.end());
+      first_block_.push_back(first_block_.back() + row.size());
+    }
+    blocks_.resize(first_block_.back());
+    for (const PoseGraphEdge& edge : graph.edges) {
+      const auto [a, b] = ends(edge);
+      if (a < 0) {
+        place_.push_back(blocks_.size());
+        continue;
+      }
+      const std::vector<int>& row = columns[std::size_t(a)];
+      place_.push_back(first_block_[std::size_t(a)] +
+                       static_cast<std::size_t>(std::lower_bound(row.begin(), row.end(), b) - row.begin()));
+    }
+    if (free_ > 0) cholesky_ = BlockCholesky(columns);
   }
 
   double cost() const { return cost(graph_.poses); }
@@ -53,53 +79,41 @@ class Solver {
   }
 
   void linearize() {
-    blocks_.clear();
+    for (Matrix6d& block : blocks_) block.setZero();
     gradient_ = Eigen::VectorXd::Zero(6 * free_);
-    diagonal_.assign(std::size_t(free_), Matrix6d::Zero());
-    for (const PoseGraphEdge& edge : graph_.edges) {
+    for (std::size_t n = 0; n < graph_.edges.size(); ++n) {
+      const PoseGraphEdge& edge = graph_.edges[n];
       const PoseGraphResidual r = pose_graph_residual(graph_.poses[std::size_t(edge.i)],
                                                       graph_.poses[std::size_t(edge.j)], edge.T_ij);
       const int a = slot_[std::size_t(edge.i)], b = slot_[std::size_t(edge.j)];
       const Matrix6d weighted_i = r.J_i.transpose() * edge.information;
       const Matrix6d weighted_j = r.J_j.transpose() * edge.information;
       if (a >= 0) {
-        diagonal_[std::size_t(a)].noalias() += weighted_i * r.J_i;
+        diagonal(a).noalias() += weighted_i * r.J_i;
         gradient_.segment<6>(6 * a).noalias() += weighted_i * r.e;
       }
       if (b >= 0) {
-        diagonal_[std::size_t(b)].noalias() += weighted_j * r.J_j;
+        diagonal(b).noalias() += weighted_j * r.J_j;
         gradient_.segment<6>(6 * b).noalias() += weighted_j * r.e;
       }
-      // The lower triangle alone.
-      if (a >= 0 && b >= 0) {
-        if (a > b) {
-          add_block(a, b, weighted_i * r.J_j);
-        } else {
-          add_block(b, a, weighted_j * r.J_i);
-        }
-      }
+      // The upper triangle alone.
+      if (a < 0 || b < 0) continue;
+      if (a < b)
+        blocks_[place_[n]].noalias() += weighted_i * r.J_j;
+      else
+        blocks_[place_[n]].noalias() += weighted_j * r.J_i;
     }
   }
 
   // Steps of all free poses; false where the equations are singular.
   bool solve(double lambda) {
-    std::vector<Eigen::Triplet<double>> entries = blocks_;
+    damped_ = blocks_;
     for (int a = 0; a < free_; ++a) {
-      Matrix6d block = diagonal_[std::size_t(a)];
+      Matrix6d& block = damped_[first_block_[std::size_t(a)]];
       block.diagonal() *= 1.0 + lambda;
       block.diagonal().array() += kSmallestDiagonal;
-      for (int row = 0; row < 6; ++row) {
-        for (int column = 0; column <= row; ++column) {
-          entries.emplace_back(6 * a + row, 6 * a + column, block(row, column));
-        }
-      }
     }
-    Eigen::SparseMatrix<double> H(6 * free_, 6 * free_);
-    H.setFromTriplets(entries.begin(), entries.end());
-    if (!analysed_) cholesky_.analyzePattern(H);
-    analysed_ = true;
-    cholesky_.factorize(H);
-    if (cholesky_.info() != Eigen::Success) return false;
+    if (!cholesky_.factorise(damped_)) return false;
     const Eigen::VectorXd x = cholesky_.solve(-gradient_);
     if (!x.allFinite()) return false;
     for (std::size_t i = 0; i < slot_.size(); ++i) {
@@ -111,22 +125,25 @@ class Solver {
   int free_poses() const { return free_; }
 
  private:
-  void add_block(int row, int column, const Matrix6d& block) {
-    for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c < 6; ++c) blocks_.emplace_back(6 * row + r, 6 * column + c, block(r, c));
-    }
+  // Slots of the free poses that an edge joins, the smaller first; -1 and -1 where one of them is fixed.
+  std::pair<int, int> ends(const PoseGraphEdge& edge) const {
+    const int a = slot_[std::size_t(edge.i)], b = slot_[std::size_t(edge.j)];
+    if (a < 0 || b < 0) return {-1, -1};
+    return {std::min(a, b), std::max(a, b)};
   }
+  Matrix6d& diagonal(int a) { return blocks_[first_block_[std::size_t(a)]]; }
 
   PoseGraph& graph_;
   std::vector<Vector6d> steps_;  // a pose; zero where it is fixed
   std::vector<SE3> moved_;
   int free_ = 0;
   std::vector<int> slot_;  // pose -> place among the free ones; -1 where it is fixed
-  std::vector<Eigen::Triplet<double>> blocks_;
-  std::vector<Matrix6d> diagonal_;
+  // Of the equations, the upper triangle row by row, each row's diagonal first.
+  std::vector<Matrix6d> blocks_, damped_;
+  std::vector<std::size_t> first_block_;  // per row
+  std::vector<std::size_t> place_;        // per edge, its block
   Eigen::VectorXd gradient_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> cholesky_;
-  bool analysed_ = false;
+  BlockCholesky cholesky_;
 };
 
 }  // namespace

@@ -1,7 +1,9 @@
 // The plan of a fleet and what is said of it; tests/fleet/test.sh does one on a real Slurm.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <thread>
 
@@ -66,6 +68,9 @@ TEST_F(Fleet, AManifestIsRefusedBeforeAThousandJobsFail) {
       {"a a.bag - --frams 3\n", {"manifest.txt:1", "options of penumbra slam", "--frams"}},
       {"a a.bag - --filter sometimes\n", {"--filter"}},
       {"a a.bag - --settings none.json\n", {"none.json"}},
+      {"a a.bag - --masks no/masks\n", {"manifest.txt:1", "--masks names", "no/masks, which is not there"}},
+      {"a a.bag - --weights=no.pth\n", {"--weights names", "no.pth"}},
+      {"a a.bag - --weights a.bag --classes no.txt\n", {"--classes names", "no.txt"}},
       {"a a.bag - --out elsewhere\n", {"that the plan gives", "--out"}},
       {"a a.bag - --save-map=x.map\n", {"--save-map"}},
   };
@@ -91,6 +96,78 @@ TEST_F(Fleet, APlanIsScriptsAndALineARecording) {
     const fs::perms permissions = fs::status(folder / "plan" / script).permissions();
     EXPECT_NE(permissions & fs::perms::owner_exec, fs::perms::none) << script;
   }
+}
+
+// The scripts with a program that only writes down what it is asked for.
+TEST_F(Fleet, ManyMapsAreMergedByDistricts) {
+  write("program", R"(#!/bin/bash
+case $1 in
+  slam) map=--save-map ;;
+  merge) map=-o; echo "$*" >>calls ;;
+esac
+for ((i = 1; i < $#; ++i)); do [[ ${!i} != "${map:-}" ]] || { j=$((i + 1)); echo "$2" >"${!j}"; }; done
+)");
+  fs::permissions(folder / "program", fs::perms::owner_all);
+  FleetPlan plan;
+  for (const char* name : {"a", "b", "c", "d", "e"}) plan.recordings.push_back({name, {name}});
+  plan.folder = folder;
+  plan.program = folder / "program";
+  plan.district_size = 2;
+  write_fleet_plan(folder / "plan", plan);
+  const auto run = [&](const std::string& script, const std::string& out) {
+    return std::system(fmt::format("'{0}/plan/'{1} >'{0}/{2}' 2>&1", folder.string(), script, out).c_str());
+  };
+  ASSERT_EQ(run("here.sh", "log"), 0) << nn::read_file(folder / "log", "text");
+  const std::string calls =
+      "merge runs/a/recording.map runs/b/recording.map -o merged/district-1/fleet.map --out "
+      "merged/district-1\n"
+      "merge runs/c/recording.map runs/d/recording.map -o merged/district-2/fleet.map --out "
+      "merged/district-2\n"
+      "merge merged/district-1/fleet.map merged/district-2/fleet.map merged/district-3/fleet.map "
+      "-o merged/fleet.map --out merged\n";
+  EXPECT_EQ(nn::read_file(folder / "plan/calls", "text"), calls);
+  EXPECT_EQ(why_not_merged(folder / "plan"), "");
+  ASSERT_EQ(run("here.sh", "log"), 0);
+  EXPECT_EQ(nn::read_file(folder / "plan/calls", "text"), calls) << "what is merged would be merged again";
+  ASSERT_EQ(run("submit.sh --print", "log"), 0);
+  const std::string jobs = nn::read_file(folder / "log", "text");
+  EXPECT_NE(jobs.find("--array=1-3"), std::string::npos) << jobs;
+  // Without the second district there is no map of all.
+  fs::remove(folder / "plan/merged/district-2/done");
+  write("program", "#!/bin/sh\necho error: no memory\nexit 1\n");
+  fs::permissions(folder / "program", fs::perms::owner_all);
+  EXPECT_NE(run("step.sh merge", "log"), 0);
+  EXPECT_EQ(why_not_merged(folder / "plan"), "district-2: no memory");
+  EXPECT_FALSE(fs::exists(folder / "plan/merged/fleet.map"));
+}
+
+TEST_F(Fleet, AMapIsNotMergedWithItselfNorOverwritten) {
+  write("a.map", "one");
+  write("copy.map", "one");
+  write("other.map", "two");
+  fs::create_symlink(folder / "a.map", folder / "link.map");
+  const auto refused = [&](const std::vector<std::string>& maps, const std::string& output,
+                           const std::string& part) {
+    std::string arguments;
+    for (const std::string& map : maps) arguments += fmt::format("'{}' ", (folder / map).string());
+    const test::ProgramResult result =
+        test::run_penumbra(fmt::format("merge {} -o '{}'", arguments, (folder / output).string()));
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  };
+  refused({"a.map", "other.map", "link.map"}, "all.map", "link.map are the same file");
+  refused({"a.map", "other.map", "copy.map"}, "all.map", "copy.map are the same map");
+  refused({"a.map", "other.map"}, "other.map", "other.map is one of the maps and would be overwritten");
+}
+
+TEST_F(Fleet, AManifestIsNotOverwritten) {
+  write("a.bag", "");
+  write("jobs.tsv", "a a.bag -\n");
+  const test::ProgramResult result =
+      test::run_penumbra(fmt::format("fleet plan '{0}/jobs.tsv' --out '{0}'", folder.string()));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("a manifest that the plan does not overwrite"), std::string::npos) << result.err;
+  EXPECT_EQ(nn::read_file(folder / "jobs.tsv", "text"), "a a.bag -\n");
 }
 
 TEST_F(Fleet, EachRecordingIsDoneOrSaysWhyNot) {

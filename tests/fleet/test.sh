@@ -2,7 +2,8 @@
 # Tests `penumbra fleet` on a real Slurm: slurmctld and two slurmd on this machine, with a configuration, keys and
 # ports of their own. 12 recordings of one street; in the middle a node is lost; another plan is cancelled and begun
 # again. The same plan is done without Slurm, and every map and path must have the same bytes.
-#   test.sh PENUMBRA      as root, with Debian's slurmctld, slurmd, slurm-client and munge
+#   test.sh PENUMBRA          as root, with Debian's slurmctld, slurmd, slurm-client and munge
+#   test.sh PENUMBRA --speed  measures instead how much sooner two nodes are done than one
 set -euo pipefail
 penumbra=$(realpath "$1")
 work=$(mktemp -d)
@@ -67,22 +68,45 @@ for ((i = 0; i < 12; ++i)); do
 done >"$work/manifest.txt"
 plan() { "$penumbra" fleet plan "$1" --out "$2" --cpus 1 --memory 500 --merge-memory 500 --program "$penumbra"; }
 
-say "On this machine, without Slurm"
-plan "$work/manifest.txt" "$work/here"
-begin=$SECONDS
-"$work/here/here.sh" >"$work/here.log" 2>&1 || { cat "$work/here.log"; fail "here.sh"; }
-echo "$((SECONDS - begin)) s: $(tail -n 1 "$work/here.log")"
-
 # wait_for PLAN: until its jobs have ended.
 wait_for() {
   local i
-  for ((i = 0; i < 600; ++i)); do
+  for ((i = 0; i < 1800; ++i)); do
     [[ -n $(squeue -h -j "$(paste -sd, "$1/submitted")" 2>/dev/null) ]] || return 0
     sleep 1
   done
   squeue
   fail "jobs do not end"
 }
+
+# speed NAME OPTION...: the recordings of a plan, from its submission to the last one's end, and what they cost.
+speed() {
+  local name=$1 begin
+  shift
+  "$penumbra" fleet plan "$work/manifest.txt" --out "$work/$name" --cpus 1 --memory 500 --merge-memory 500 \
+    --program "$penumbra" "$@" >/dev/null
+  begin=$EPOCHREALTIME
+  "$work/$name/submit.sh" >/dev/null
+  wait_for "$work/$name"
+  stat -c %.Y "$work/$name"/runs/*/done | sort -g | tail -n 1 | awk -v name="$name" -v begin="$begin" \
+    -v spent="$(awk -F'[:,]' '/"cpu_ms_per_frame"/ {ms += 79 * $2} END {print ms / 1e3}' "$work/$name"/runs/*/run.json)" \
+    -v load="$(cut -d' ' -f1 /proc/loadavg)" \
+    '{printf "%s: 12 recordings in %.1f s, which took %.1f s of the processors; load %s\n", name, $1 - begin, spent, load}'
+}
+if [[ ${2:-} == --speed ]]; then
+  for ((round = 1; round <= 2; ++round)); do
+    speed "one-node-$round" --sbatch=--exclude=n2
+    speed "two-nodes-$round"
+  done
+  exit
+fi
+
+say "On this machine, without Slurm"
+plan "$work/manifest.txt" "$work/here"
+begin=$SECONDS
+"$work/here/here.sh" >"$work/here.log" 2>&1 || { cat "$work/here.log"; fail "here.sh"; }
+echo "$((SECONDS - begin)) s: $(tail -n 1 "$work/here.log")"
+
 # same PLAN OTHER
 same() {
   local file

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # One step of a fleet's plan. What is done already is not done again.
 #   step.sh recording N [FILE]   maps the recording in line N of jobs.tsv, or of FILE, into runs/NAME
-#   step.sh merge                makes one map of those that are done, in merged
+#   step.sh district K           makes one map of the K-th district_size recordings, as far as they are done
+#   step.sh merge                makes one map of those that are done, or of their districts, in merged
 #   step.sh report               writes table.tsv and index.html
 #   step.sh waiting              prints the lines of recordings that are not done
 # Slurm runs it (submit.sh), or this machine alone (here.sh).
@@ -63,29 +64,63 @@ waiting() {
   done <jobs.tsv
 }
 
-merge() {
-  local name job of
-  local -a maps=()
-  while IFS=$'\t' read -r name job; do
-    if is_done "$name" "$job"; then maps+=("runs/$name/recording.map"); fi
-  done <jobs.tsv
-  ((${#maps[@]} > 0)) || { echo "step.sh: no recording is done: nothing to merge" >&2; exit 1; }
-  of=$(stat -c '%n %s %Y' "${maps[@]}")
-  if [[ -e merged/done && $(<merged/done) == "$of" ]]; then echo "merged before"; return; fi
-  mkdir -p merged && rm -f merged/done merged/fleet.map || exit 1 # of other recordings
-  if ((${#maps[@]} == 1)); then
-    cp "${maps[0]}" merged/fleet.map || exit 1
+# merge_into FOLDER MAP...: FOLDER/fleet.map of those maps; not again as long as they are the same.
+merge_into() {
+  local into=$1 of
+  shift
+  of=$(stat -c '%n %s %Y' "$@")
+  if [[ -e $into/done && $(<"$into/done") == "$of" ]]; then echo "$into: merged before"; return; fi
+  mkdir -p "$into" && rm -f "$into/done" "$into/fleet.map" || return 1 # of other recordings
+  if (($# == 1)); then
+    cp "$1" "$into/fleet.map" || return 1
   else
-    run merged/log.txt "$penumbra" merge "${maps[@]}" -o merged/fleet.map --out merged ||
-      { echo "the merge failed, see $here/merged/log.txt"; exit 1; }
+    run "$into/log.txt" "$penumbra" merge "$@" -o "$into/fleet.map" --out "$into" ||
+      { echo "the merge failed, see $here/$into/log.txt"; return 1; }
   fi
-  echo "$of" >merged/done && echo "merged ${#maps[@]} maps"
+  echo "$of" >"$into/done" && echo "$into: $# map$( (($# == 1)) || echo s) merged"
+}
+
+# maps_of FIRST LAST: those of the recordings in these lines that are done, a line each.
+maps_of() {
+  local name job number=0
+  while IFS=$'\t' read -r name job; do
+    ((++number >= $1 && number <= $2)) || continue
+    if is_done "$name" "$job"; then echo "runs/$name/recording.map"; fi
+  done <jobs.tsv
+}
+
+district() {
+  local -a maps
+  mapfile -t maps < <(maps_of $((($1 - 1) * district_size + 1)) $(($1 * district_size)))
+  if ((${#maps[@]} > 0)); then
+    merge_into "merged/district-$1" "${maps[@]}"
+  else
+    rm -rf "merged/district-$1"
+    echo "district $1: no recording is done"
+  fi
+}
+
+merge() {
+  local recordings number
+  local -a maps=()
+  recordings=$(wc -l <jobs.tsv)
+  if ((district_size == 0 || recordings <= district_size)); then
+    mapfile -t maps < <(maps_of 1 "$recordings")
+  else
+    for ((number = 1; (number - 1) * district_size < recordings; ++number)); do
+      district "$number" || { rm -f merged/done merged/fleet.map; return 1; } # which would be of other recordings
+      if [[ -e merged/district-$number/fleet.map ]]; then maps+=("merged/district-$number/fleet.map"); fi
+    done
+  fi
+  ((${#maps[@]} > 0)) || { echo "step.sh: no recording is done: nothing to merge" >&2; return 1; }
+  merge_into merged "${maps[@]}"
 }
 
 case ${1:-} in
   recording) recording "${@:2}" ;;
+  district) district "${2:?which one?}" ;;
   merge) merge ;;
   report) "$penumbra" fleet report "$here" ;;
   waiting) waiting ;;
-  *) sed -n '2,7s/^# //p' step.sh >&2; exit 2 ;;
+  *) sed -n '2,8s/^# //p' step.sh >&2; exit 2 ;;
 esac

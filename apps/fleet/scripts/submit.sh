@@ -69,6 +69,12 @@ for ((shift = 0; shift < recordings; shift += most)); do
     --output="$here/slurm/%A_%a.txt" --requeue --open-mode=append --signal=B:TERM@120 "${recording_options[@]}")
 done
 # afterany: what failed is left out and listed.
+districts=$((district_size == 0 ? 0 : (recordings + district_size - 1) / district_size))
+if ((districts > 1 && districts <= most)); then
+  # shellcheck disable=SC2016 # Slurm sets it
+  after=:$(job district 'district $SLURM_ARRAY_TASK_ID' --array="1-$districts" --output="$here/slurm/%A_%a.txt" \
+    --requeue --open-mode=append "${merge_options[@]}" ${after:+--dependency=afterany$after})
+fi
 merge=$(job merge merge --output="$here/slurm/%j.txt" --requeue --open-mode=append "${merge_options[@]}" \
   ${after:+--dependency=afterany$after})
 report=$(job report report --output="$here/slurm/%j.txt" --open-mode=append --dependency=afterany:"$merge")
