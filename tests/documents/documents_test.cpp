@@ -118,12 +118,12 @@ int run_shell(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// Recordings of robots with the frames of the folder monday: run.bag with its cameras, run.mcap without, and
-// rig.yaml.
+// Recordings of robots with the frames of the folder monday: run.bag, run.mcap, whose cameras stand on
+// base_link, and rig.yaml.
 void write_recordings(const fs::path& sandbox) {
   constexpr std::int64_t kStep = 100'000'000;  // nanoseconds
   constexpr double kFocal = 179.8, kBaseline = 0.537;
-  std::vector<BagMessage> with_cameras, without;
+  std::vector<BagMessage> bag, mcap;
   for (int i = 0; i < 8; ++i) {
     const std::int64_t time = 1'000'000'000 + i * kStep;
     for (const bool is_right : {false, true}) {
@@ -132,16 +132,21 @@ void write_recordings(const fs::path& sandbox) {
       CameraParts camera = pinhole(310, 94, kFocal, is_right ? -kFocal * kBaseline : 0.0);
       camera.P[2] = camera.K[2] = 151.34;
       camera.P[6] = camera.K[5] = 46.28;
-      with_cameras.push_back({"/" + side + "/image_raw/compressed", "sensor_msgs/CompressedImage", time,
-                              compressed_message(Wire::ros1, time, "mono8; png compressed", png)});
-      with_cameras.push_back(
+      bag.push_back({"/" + side + "/image_raw/compressed", "sensor_msgs/CompressedImage", time,
+                     compressed_message(Wire::ros1, time, "mono8; png compressed", png)});
+      bag.push_back(
           {"/" + side + "/camera_info", "sensor_msgs/CameraInfo", time, camera_message(Wire::ros1, camera)});
-      without.push_back({is_right ? "/cam1/image_raw" : "/cam0/image_raw", "sensor_msgs/CompressedImage",
-                         time, compressed_message(Wire::cdr, time, "mono8; png compressed", png)});
+      const std::string name = is_right ? "/cam1" : "/cam0";
+      mcap.push_back({name + "/image_raw", "sensor_msgs/CompressedImage", time,
+                      compressed_message(Wire::cdr, time, "mono8; png compressed", png)});
+      mcap.push_back(
+          {name + "/camera_info", "sensor_msgs/CameraInfo", time, camera_message(Wire::cdr, camera)});
     }
   }
-  write_file(sandbox / "run.bag", ros1_bag(with_cameras));
-  write_file(sandbox / "run.mcap", mcap_file(without, "cdr"));
+  mcap.push_back({"/tf_static", "tf2_msgs/TFMessage", 1'000'000'000,
+                  transforms_message(Wire::cdr, {{"base_link", "camera", {0.3, 0.0, 1.0}}})});
+  write_file(sandbox / "run.bag", ros1_bag(bag));
+  write_file(sandbox / "run.mcap", mcap_file(mcap, "cdr"));
   fs::copy(sandbox / "monday" / "calibration.yaml", sandbox / "rig.yaml");
 }
 

@@ -90,10 +90,10 @@ cp instances_val2017.json DATA/coco/instances_val2017_80.json
 
 # Maps of one camera.
 "$penumbra" slam monday --save-map monday.map --out out/monday >/dev/null 2>&1
-cp monday.map tuesday.map
+"$penumbra" slam tuesday --frames 1: --save-map tuesday.map --out out/tuesday >/dev/null 2>&1
 mkdir night
 cp monday.map night/a.map
-cp monday.map night/b.map
+cp tuesday.map night/b.map
 printf 'a ../monday -\nb ../tuesday - --frames 0:3\n' > night/manifest.txt
 "$penumbra" fleet plan night/manifest.txt --out out/night --program "$penumbra" >/dev/null
 out/night/here.sh >/dev/null 2>&1
