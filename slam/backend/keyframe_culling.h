@@ -2,9 +2,8 @@
 //
 // One is redundant if most of its close points are seen in three others at least, at the same scale or a
 // finer one: what it knows of them the others know. Far points do not count, for they stay in view for long.
-// Where nights of recordings show one street, or a robot drives round one block, the map is thereby as large
-// as the ground, not as the recordings are long. Cost: O(observations of its points). Source: Mur-Artal,
-// Montiel, Tardos, ORB-SLAM (T-RO 2015), section VI-E.
+// Where many recordings show one street, their map is thereby smaller than their sum. Cost: O(observations of
+// its points). Source: Mur-Artal, Montiel, Tardos, ORB-SLAM (T-RO 2015), section VI-E.
 #pragma once
 
 #include "slam/map/map.h"
