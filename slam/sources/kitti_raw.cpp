@@ -122,31 +122,40 @@ std::vector<double> read_date_list(const fs::path& path) {
   return seconds;
 }
 
-Trajectory read_oxts_poses(const fs::path& drive, int left, std::vector<std::string>& notes) {
-  const fs::path day = drive.parent_path(), velo = day / "calib_imu_to_velo.txt",
-                 cam = day / "calib_velo_to_cam.txt";
-  if (!is_present(velo) || !is_present(cam)) {
-    notes.push_back(
-        fmt::format("no ground truth: {} and {} are needed beside oxts/", velo.string(), cam.string()));
-    return {};
-  }
+std::optional<Mounting> read_kitti_raw_mounting(const fs::path& day, int left) {
+  const fs::path velo = day / "calib_imu_to_velo.txt", cam = day / "calib_velo_to_cam.txt";
+  if (!is_present(velo) || !is_present(cam)) return std::nullopt;
   const LabelledNumbers cameras(day / "calib_cam_to_cam.txt", "the calibration of KITTI's raw data");
   const std::vector<double> P = cameras.numbers(camera_label("P", left), 12);
-  const SE3 T_rect_cam0 =
+  const SE3 T_left_cam0 =
       rigid_motion(cameras.numbers("R_rect_00", 9), {P[3] / P[0], 0.0, 0.0}, cameras.place("R_rect_00"));
-  const SE3 T_left_imu = T_rect_cam0 * LabelledNumbers(cam, "KITTI's calib_velo_to_cam.txt").motion() *
+  const SE3 T_left_imu = T_left_cam0 * LabelledNumbers(cam, "KITTI's calib_velo_to_cam.txt").motion() *
                          LabelledNumbers(velo, "KITTI's calib_imu_to_velo.txt").motion();
-  Trajectory truth;
+  return Mounting{"imu", T_left_imu.inverse()};
+}
+
+std::optional<Mounting> read_kitti_360_mounting(const fs::path& calibration) {
+  const fs::path poses = calibration / "calib_cam_to_pose.txt";
+  if (!is_present(poses)) return std::nullopt;
+  const LabelledNumbers cameras(calibration / "perspective.txt", "the calibration of KITTI-360");
+  const LabelledNumbers mounted(poses, "KITTI-360's calib_cam_to_pose.txt");
+  const SE3 T_imu_cam0 = rigid_motion(mounted.numbers("image_00", 12), mounted.place("image_00"));
+  const SE3 T_left_cam0 =
+      rigid_motion(cameras.numbers("R_rect_00", 9), {0.0, 0.0, 0.0}, cameras.place("R_rect_00"));
+  return Mounting{"imu", T_imu_cam0 * T_left_cam0.inverse()};
+}
+
+Trajectory read_oxts_poses(const fs::path& drive, const SE3& T_imu_camera) {
+  Trajectory poses;
   const std::vector<fs::path> packets = list_folder(drive / "oxts" / "data");
-  if (packets.empty()) return truth;
+  if (packets.empty()) return poses;
   const double scale = std::cos(latitude_of(packets.front()) * kRadians);
-  const SE3 T_imu_left = T_left_imu.inverse();
-  const SE3 T_first_w = (pose_of_packet(packets.front(), scale) * T_imu_left).inverse();
+  const SE3 T_first_w = (pose_of_packet(packets.front(), scale) * T_imu_camera).inverse();
   for (const fs::path& packet : packets) {
     const std::optional<double> number = number_in_name(packet.stem().string());
-    if (number) truth.push_back({*number, T_first_w * pose_of_packet(packet, scale) * T_imu_left});
+    if (number) poses.push_back({*number, T_first_w * pose_of_packet(packet, scale) * T_imu_camera});
   }
-  return truth;
+  return poses;
 }
 
 }  // namespace penumbra::slam

@@ -49,7 +49,17 @@ PairedFolders kitti_raw(const fs::path& path, const DatasetOptions& options) {
   folders.camera.colour = colour;
   const fs::path times = folders.first.parent_path() / "timestamps.txt";
   if (is_present(times)) folders.times = {times, read_date_list(times)};
-  if (is_folder(path / "oxts" / "data")) folders.numbered_truth = read_oxts_poses(path, left, folders.notes);
+  const std::optional<Mounting> imu = read_kitti_raw_mounting(path.parent_path(), left);
+  if (imu) folders.camera.mountings.push_back(*imu);
+  if (!is_folder(path / "oxts" / "data")) return folders;
+  if (imu) {
+    folders.numbered_truth = read_oxts_poses(path, imu->T_frame_camera);
+  } else {
+    folders.notes.push_back(fmt::format(
+        "no ground truth: calib_imu_to_velo.txt and calib_velo_to_cam.txt, which carry oxts/ to the "
+        "camera, are not both in {}",
+        path.parent_path().string()));
+  }
   return folders;
 }
 
@@ -64,6 +74,8 @@ PairedFolders kitti_360(const fs::path& path, const DatasetOptions&) {
   folders.first = path / "image_00" / "data_rect";
   folders.second = path / "image_01" / "data_rect";
   folders.camera = file_of(read_kitti_raw_calibration(root / "calibration" / "perspective.txt", 0, 1));
+  if (const auto imu = read_kitti_360_mounting(root / "calibration"))
+    folders.camera.mountings.push_back(*imu);
   const fs::path times = path / "image_00" / "timestamps.txt";
   if (is_present(times)) folders.times = {times, read_date_list(times)};
   folders.rate = 10.0;

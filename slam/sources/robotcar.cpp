@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <optional>
 
 #include "nn/base/error.h"
@@ -14,14 +13,13 @@
 #include "nn/base/text.h"
 #include "nn/image/image_file.h"
 #include "slam/sources/folder_listing.h"
+#include "slam/sources/robotcar_poses.h"
 
 namespace penumbra::slam {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kMicroseconds = 1e-6;
 
 // The SDK's folder `name`, wherever it was put.
 std::optional<fs::path> find_sdk_folder(const fs::path& drive, const char* name) {
@@ -39,16 +37,6 @@ fs::path require_models(const fs::path& drive) {
                    "the models/ of RobotCar's SDK, which undo its lenses, in it or beside it (git clone "
                    "https://github.com/ori-mrg/robotcar-dataset-sdk, beside the recording)",
                    "none");
-}
-
-SE3 motion_of(const double* v) {
-  SE3 T;
-  T.translation = {v[0], v[1], v[2]};
-  T.rotation =
-      (Eigen::AngleAxisd(v[5], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(v[4], Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(v[3], Eigen::Vector3d::UnitX()))
-          .toRotationMatrix();
-  return T;
 }
 
 // ---- The camera
@@ -132,112 +120,19 @@ RecordedCamera camera_of(const Model& left, const Model& right, const std::strin
 
 // ---- The truth
 
-// A file of columns that its first line names.
-class Table {
- public:
-  explicit Table(const fs::path& path) : lines_(path, "RobotCar's poses, with a line of names"), path_(path) {
-    names_ = split(lines_.next().value_or(""));
-  }
-
-  // The numbers in the columns of these names of the next line; nothing at the end.
-  std::optional<std::vector<double>> next(const std::vector<std::string>& columns) {
-    const std::optional<std::string_view> line = lines_.next();
-    if (!line) return std::nullopt;
-    const std::vector<std::string> words = split(*line);
-    std::vector<double> numbers;
-    for (const std::string& column : columns) {
-      const auto at = std::find(names_.begin(), names_.end(), column);
-      if (at == names_.end())
-        throw InputError(path_.string() + ":1", fmt::format("a column {}", column), "no such");
-      const auto place = static_cast<std::size_t>(at - names_.begin());
-      if (place >= words.size())
-        throw InputError(lines_.place(), fmt::format("{} columns", names_.size()),
-                         fmt::format("{}", words.size()));
-      const std::vector<double> value = nn::parse_numbers(words[place], lines_.place());
-      if (value.size() != 1)
-        throw InputError(lines_.place(), fmt::format("one number as {}", column),
-                         fmt::format("'{}'", printable(words[place], 40)));
-      numbers.push_back(value.front());
-    }
-    return numbers;
-  }
-  std::string place() const { return lines_.place(); }
-
- private:
-  static std::vector<std::string> split(std::string_view line) {
-    std::vector<std::string> words;
-    for (std::size_t begin = 0; begin <= line.size();) {
-      const std::size_t end = std::min(line.find(',', begin), line.size());
-      words.emplace_back(line.substr(begin, end - begin));
-      begin = end + 1;
-    }
-    return words;
-  }
-
-  nn::LineReader lines_;
-  fs::path path_;
-  std::vector<std::string> names_;
-};
-
-// T_w_ins.
-Trajectory read_inertial(const fs::path& path) {
-  Trajectory poses;
-  Table table(path);
-  while (const auto v = table.next({"timestamp", "northing", "easting", "down", "roll", "pitch", "yaw"}))
-    poses.push_back({kMicroseconds * v->front(), motion_of(v->data() + 1)});
-  return poses;
-}
-
-// T_w_vehicle by the steps of the data set's own odometry.
-Trajectory read_odometry(const fs::path& path) {
-  Trajectory poses;
-  Table table(path);
-  while (const auto v = table.next(
-             {"destination_timestamp", "source_timestamp", "x", "y", "z", "roll", "pitch", "yaw"})) {
-    if (poses.empty()) poses.push_back({kMicroseconds * v->front(), {}});
-    SE3 T = poses.back().T_wc * motion_of(v->data() + 2);
-    T.normalize();
-    poses.push_back({kMicroseconds * (*v)[1], T});
-  }
-  return poses;
-}
-
-// At the frames' times, between poses that are at most a fifth of a second apart.
-Trajectory interpolated(const Trajectory& poses, const std::vector<double>& times) {
-  constexpr double kMostApart = 0.2;  // seconds
-  Trajectory at_frames;
-  for (const double time : times) {
-    const auto after = std::lower_bound(poses.begin(), poses.end(), time,
-                                        [](const TimedPose& pose, double t) { return pose.timestamp < t; });
-    if (after == poses.end() || (after == poses.begin() && after->timestamp != time)) continue;
-    if (after->timestamp == time) {
-      at_frames.push_back(*after);
-      continue;
-    }
-    const TimedPose &a = *std::prev(after), &b = *after;
-    const double apart = b.timestamp - a.timestamp;
-    if (!(apart <= kMostApart)) continue;
-    const double share = (time - a.timestamp) / apart;
-    const Eigen::Quaterniond from(a.T_wc.rotation), to(b.T_wc.rotation);
-    at_frames.push_back({time,
-                         {from.slerp(share, to).toRotationMatrix(),
-                          a.T_wc.translation + share * (b.T_wc.translation - a.T_wc.translation)}});
-  }
-  return at_frames;
-}
-
 // "MICROSECONDS CHUNK" a line.
 std::vector<double> read_timestamps(const fs::path& path) {
   std::vector<double> times;
   nn::NumberFileReader reader(path, "microseconds and a number of the download");
-  while (const auto line = reader.next()) times.push_back(kMicroseconds * line->values.front());
+  while (const auto line = reader.next()) times.push_back(kRobotCarTime * line->values.front());
   return times;
 }
 
 // Nothing where the file is missing.
 std::optional<SE3> read_extrinsic(const std::optional<fs::path>& folder, const char* name) {
   if (!folder || !is_present(*folder / name)) return std::nullopt;
-  return motion_of(nn::read_number_file(*folder / name, 6, "x y z roll pitch yaw").front().values.data());
+  return robotcar_motion(
+      nn::read_number_file(*folder / name, 6, "x y z roll pitch yaw").front().values.data());
 }
 
 void add_truth(const fs::path& drive, const Model& left, PairedFolders& folders) {
@@ -252,10 +147,10 @@ void add_truth(const fs::path& drive, const Model& left, PairedFolders& folders)
   std::string body = "ins";
   for (const fs::path& file :
        {drive / "rtk.csv", drive / "rtk" / "rtk.csv", drive / "gps" / "rtk.csv", drive / "gps" / "ins.csv"}) {
-    if (poses.empty() && is_present(file)) poses = read_inertial(file);
+    if (poses.empty() && is_present(file)) poses = read_robotcar_inertial(file);
   }
   if (const fs::path file = drive / "vo" / "vo.csv"; poses.empty() && is_present(file)) {
-    poses = read_odometry(file);
+    poses = read_robotcar_odometry(file);
     body = "vehicle";
     folders.notes.push_back(fmt::format(
         "{}: the data set's own visual odometry, which drifts, is taken as truth", file.string()));

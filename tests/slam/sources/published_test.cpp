@@ -75,6 +75,13 @@ TEST_F(Published, KittisRawDrivesWithTheTruthOfTheirInertialSensor) {
             1e-4);
   EXPECT_LT(((*with_truth->ground_truth())[2].T_wc.rotation - Eigen::Matrix3d::Identity()).norm(), 1e-9);
 
+  // The sensor stands behind and above the camera: its place is turned with the car's axes.
+  write(day / "calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: -0.8 0.3 -0.7\n");
+  const std::unique_ptr<StereoDataset> mounted = open(drive);
+  const SE3& T_imu_camera = mounting_of("imu", mounted->mountings(), "here").T_frame_camera;
+  EXPECT_LT((T_imu_camera.translation - Eigen::Vector3d(0.8, -0.3, 0.7)).norm(), 1e-9);
+  EXPECT_LT((T_imu_camera.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+
   fs::remove(root() / day / "calib_velo_to_cam.txt");
   EXPECT_FALSE(open(drive)->ground_truth());
   write(drive / "image_00" / "timestamps.txt", "2011-09-26 13:02:25.0\nyesterday\n2011-13-26 13:02:25\n");
@@ -94,6 +101,19 @@ TEST_F(Published, Kitti360WithPosesOfSomeFrames) {
   ASSERT_EQ(dataset->ground_truth()->size(), 2U);
   EXPECT_EQ(dataset->ground_truth()->back().timestamp, dataset->timestamp(2));
   EXPECT_EQ(dataset->ground_truth()->back().T_wc.translation.x(), 7.0);
+  EXPECT_TRUE(dataset->mountings().empty());
+
+  // The rectified camera is turned against the one that is mounted: 90 degrees about its own x.
+  std::string turned = kRawCalibration;
+  turned.replace(turned.find("R_rect_00: ") + 11, 17, "1 0 0 0 0 -1 0 1 0");
+  write("calibration/perspective.txt", turned);
+  write("calibration/calib_cam_to_pose.txt",
+        "image_00: 0 0 1 1.5 1 0 0 -0.25 0 1 0 0.75\nimage_01: 0 0 1 1.5 1 0 0 0.25 0 1 0 0.75\n");
+  const std::unique_ptr<StereoDataset> with_imu = open(drive);
+  const SE3& T = mounting_of("imu", with_imu->mountings(), "here").T_frame_camera;
+  EXPECT_LT((T.translation - Eigen::Vector3d(1.5, -0.25, 0.75)).norm(), 1e-9);
+  // (0 -1 0) of the mounted camera is the rectified one's (0 0 -1); up there is -y, and -z of the sensor.
+  EXPECT_LT((T.rotation * Eigen::Vector3d(0, 0, -1) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-9);
 }
 
 TEST_F(Published, VirtualKittiWithTheInverseOfItsExtrinsics) {
