@@ -39,8 +39,9 @@ gtest_on() {
   for part in "${running[@]}"; do wait "$part" || failed=1; done
   ((failed == 0)) || fail "$2 on $1"
 }
-say "Tests of nn and weights_tools: all instructions"
+say "Tests of nn, images and weights_tools: all instructions"
 gtest_on max test_nn "*-$left_out"
+gtest_on max test_codecs "ImageFile*:PngRows*:*Pixels*"
 gtest_on max test_weights_tools "*"
 say "Tests of the layers: dot products; NEON alone"
 gtest_on cortex-a76 test_nn "$layers-$left_out"
