@@ -64,7 +64,7 @@ void write_ply(const std::filesystem::path& path, const PointCloud& cloud) {
 void write_pcd(const std::filesystem::path& path, const std::vector<PlyVertex>& vertices) {
   std::string text = fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F "
-      "U\n"
+      "F\n"
       "COUNT 1 1 1 1\nWIDTH {}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
       vertices.size(), vertices.size());
   text.reserve(text.size() + 16 * vertices.size());

@@ -29,8 +29,8 @@ PointCloud point_cloud_of(const Map& map);
 // under a temporary name and then renamed; throws Error where that fails.
 void write_ply(const std::filesystem::path& path, const PointCloud& cloud);
 
-// The same vertices as a PCD file for the Point Cloud Library: v0.7, binary; x y z (F4), rgb (U4:
-// 0x00RRGGBB). Throws Error where it cannot be written.
+// The same vertices as a PCD file for the Point Cloud Library: v0.7, binary; x y z (F4), rgb (0x00RRGGBB,
+// declared F4 as that library does, for pyntcloud misreads U4). Throws Error where it cannot be written.
 void write_pcd(const std::filesystem::path& path, const std::vector<PlyVertex>& vertices);
 
 // The vertices of a file that write_ply wrote. Throws InputError for any other, or a torn one.

@@ -285,6 +285,7 @@ TEST(BagCommands, ExportWritesWhatTheRunFound) {
   const std::string cloud = read_file(pcd);
   EXPECT_NE(cloud.find(fmt::format("POINTS {}\n", points)), std::string::npos);
   EXPECT_EQ(cloud.size() - cloud.find("DATA binary\n") - 12, 16 * points);
+  EXPECT_NE(cloud.find("FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\n"), std::string::npos);
   EXPECT_EQ(run_penumbra("export " + run.string()).exit_code, 2);
 }
 

@@ -57,7 +57,7 @@ void write_pcd(const std::filesystem::path& path, const VoxelGrid& grid) {
   const std::size_t count = grid.voxels().size();
   std::string bytes = fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb label\nSIZE 4 4 4 4 4\n"
-      "TYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH {}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA "
+      "TYPE F F F F U\nCOUNT 1 1 1 1 1\nWIDTH {}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA "
       "binary\n",
       count, count);
   bytes.reserve(bytes.size() + 20 * count);

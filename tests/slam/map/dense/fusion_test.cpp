@@ -251,6 +251,7 @@ TEST(CloudFiles, AreReadAsTheyWereWritten) {
   write_pcd(folder / "dense.pcd", grid);
   const std::string pcd = read_file(folder / "dense.pcd");
   EXPECT_EQ(pcd.size() - pcd.find("DATA binary\n") - 12, 50U * 20U);
+  EXPECT_NE(pcd.find("FIELDS x y z rgb label\nSIZE 4 4 4 4 4\nTYPE F F F F U\n"), std::string::npos);
 }
 
 }  // namespace
