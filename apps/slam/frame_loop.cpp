@@ -1,10 +1,11 @@
 #include "apps/slam/frame_loop.h"
 
 #include <fmt/core.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
+#include <future>
 
 #include "apps/common/interruption.h"
 #include "apps/common/log.h"
@@ -19,20 +20,29 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Writes what there is so far every --checkpoint seconds, or less often, so that it costs a twentieth of the
-// time at most.
+// time at most. What grows with the frames is written beside the run, on a thread of its own.
 class Checkpoints {
  public:
   explicit Checkpoints(double seconds) : between_(seconds), next_(Clock::now() + between_) {}
-  bool is_due() const { return between_.count() > 0.0 && Clock::now() >= next_; }
+  ~Checkpoints() {
+    if (writing_.valid()) writing_.wait();
+  }
+  bool is_due() const {
+    return between_.count() > 0.0 && Clock::now() >= next_ &&
+           (!writing_.valid() || writing_.wait_for(Seconds(0.0)) == std::future_status::ready);
+  }
   void write(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
     constexpr double kWorkPerWriting = 20.0;
     const Clock::time_point begin = Clock::now();
-    try {
-      write_checkpoint(places, record, run);
-    } catch (const Error& error) {
-      log_warning("checkpoint: {}", error.what());
-    }
-    malloc_trim(0);  // texts of all frames were made: the longer the run, the more of them
+    const auto guarded = [](const auto& work) {
+      try {
+        work();
+      } catch (const std::exception& error) {
+        log_warning("checkpoint: {}", error.what());
+      }
+    };
+    guarded(
+        [&] { writing_ = std::async(std::launch::async, guarded, write_checkpoint(places, record, run)); });
     const Seconds spent = Clock::now() - begin;
     next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
   }
@@ -41,6 +51,7 @@ class Checkpoints {
   using Seconds = std::chrono::duration<double>;
   const Seconds between_;
   std::chrono::time_point<Clock, Seconds> next_;
+  std::future<void> writing_;
 };
 
 }  // namespace

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/common/log.h"
@@ -20,6 +22,7 @@
 #include "nn/image/image_file.h"
 #include "slam/evaluation/trajectory_plot.h"
 #include "slam/geometry/association.h"
+#include "slam/geometry/trajectory_file.h"
 #include "slam/geometry/trajectory_io.h"
 #include "slam/map/dense/cloud_files.h"
 #include "slam/map/map_file.h"
@@ -30,38 +33,60 @@ namespace penumbra::apps {
 namespace {
 
 // Poses of the frames that were located.
-slam::Trajectory located(const slam::Recorder& record) {
-  slam::Trajectory all = record.trajectory(), located;
-  auto pose = all.begin();
-  for (const slam::KeptFrame& frame : record.frames()) {
-    if (frame.is_located()) located.push_back(*pose);
-    ++pose;
+slam::Trajectory located(const slam::KeptFrames& kept) {
+  const slam::KeptFrames::Poses poses = kept.poses();
+  slam::Trajectory located;
+  for (const slam::KeptFrame& frame : kept.frames()) {
+    if (frame.is_located()) located.push_back({frame.timestamp, poses.of(frame)});
   }
   return located;
 }
 
 std::filesystem::path checkpoint_of(const std::filesystem::path& map) { return map.string() + ".checkpoint"; }
 
-// All that a run has found. What it has not is not left there from an earlier run either.
-void write_data(ResultWriter& writer, const ResultPlaces& places, const slam::Recorder& record,
-                const slam::Trajectory& estimate, const slam::Trajectory& truth, const SlamRun& run,
-                const std::filesystem::path& map_file) {
-  const auto write_path = [&](const char* name, const slam::Trajectory& trajectory, auto write) {
-    const std::filesystem::path file = places.out / name;
-    writer.write([&] { trajectory.empty() ? void(std::filesystem::remove(file)) : write(file, trajectory); });
+void write_or_remove(const std::filesystem::path& file, const slam::Trajectory& trajectory) {
+  if (trajectory.empty()) {
+    std::filesystem::remove(file);
+  } else {
+    slam::write_tum_trajectory(file, trajectory);
+  }
+}
+
+// What the frames were and where: as it is read from disk, without more memory for more frames.
+void write_frames(ResultWriter& writer, const std::filesystem::path& out, const slam::KeptFrames& kept,
+                  const std::optional<slam::Mounting>& body) {
+  const slam::KeptFrames::Poses poses = kept.poses();
+  const auto write_poses = [&](const char* name, slam::TrajectoryFormat format, bool lost_too, auto pose_of) {
+    writer.write([&] {
+      slam::TrajectoryFile file(out / name, format);
+      bool is_empty = true;
+      for (const slam::KeptFrame& frame : kept.frames()) {
+        if (!lost_too && !frame.is_located()) continue;
+        file.add({frame.timestamp, pose_of(poses.of(frame))});
+        is_empty = false;
+      }
+      is_empty ? void(std::filesystem::remove(out / name)) : file.commit();
+    });
   };
-  const auto as_tum = [](const auto& file, const auto& t) { slam::write_tum_trajectory(file, t); };
-  write_path("trajectory_kitti.txt", record.trajectory(),
-             [](const auto& file, const auto& t) { slam::write_kitti_poses(file, t); });
-  write_path("trajectory_tum.txt", estimate, as_tum);
-  write_path("keyframes_tum.txt", record.slam().keyframe_trajectory(), as_tum);
-  write_path("ground_truth_tum.txt", truth, as_tum);
-  write_path("body_tum.txt", run.body ? slam::poses_of_body(*run.body, estimate) : slam::Trajectory(),
-             as_tum);
-  writer.write([&] { nn::write_file(places.out / "run.json", to_text(slam_report(run, record))); });
-  writer.write([&] { write_frames_report(places.out / "frames.json", record); });
-  if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, record.slam().map()); });
-  writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(record.slam().map())); });
+  const auto as_it_is = [](const slam::SE3& T_wc) { return T_wc; };
+  write_poses("trajectory_kitti.txt", slam::TrajectoryFormat::kitti, true, as_it_is);
+  write_poses("trajectory_tum.txt", slam::TrajectoryFormat::tum, false, as_it_is);
+  if (body) {
+    write_poses("body_tum.txt", slam::TrajectoryFormat::tum, false,
+                [&](const slam::SE3& T_wc) { return slam::pose_of_body(*body, T_wc); });
+  } else {
+    writer.write([&] { std::filesystem::remove(out / "body_tum.txt"); });
+  }
+  writer.write([&] { write_frames_report(out / "frames.json", kept); });
+}
+
+// What grows with the map alone. What a run has not is not left there from an earlier run either.
+void write_map_files(ResultWriter& writer, const ResultPlaces& places, const slam::Slam& slam,
+                     const slam::Trajectory& truth, const std::filesystem::path& map_file) {
+  writer.write([&] { write_or_remove(places.out / "keyframes_tum.txt", slam.keyframe_trajectory()); });
+  writer.write([&] { write_or_remove(places.out / "ground_truth_tum.txt", truth); });
+  if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, slam.map()); });
+  writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(slam.map())); });
 }
 
 // The dense map and what run.json says of it. What this run does not have is not left there from an earlier
@@ -100,7 +125,7 @@ void prepare_places(const ResultPlaces& places) {
 void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset,
                    const slam::Recorder& record, slam::DenseMapper* dense, SlamRun& run) {
   const std::filesystem::path& out = places.out;
-  const slam::Trajectory estimate = located(record);
+  const slam::Trajectory estimate = located(record.kept());
   const slam::TrajectoryPair pair = pair_with_ground_truth(dataset, estimate);
   const slam::Trajectory& truth = pair.reference;
   run.evaluation =
@@ -109,7 +134,9 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
                             : pair);
   ResultWriter writer;
   write_dense(writer, out, dense, record, run);
-  write_data(writer, places, record, estimate, truth, run, places.save_map);
+  write_frames(writer, out, record.kept(), run.body);
+  writer.write([&] { nn::write_file(out / "run.json", to_text(slam_report(run, record))); });
+  write_map_files(writer, places, record.slam(), truth, places.save_map);
   if (estimate.empty()) {
     writer.draw([&] { std::filesystem::remove(out / "trajectory.svg"); });
   } else {
@@ -128,14 +155,20 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
   if (!places.save_map.empty()) std::filesystem::remove(checkpoint_of(places.save_map), none);
 }
 
-void write_checkpoint(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
+std::function<void()> write_checkpoint(const ResultPlaces& places, const slam::Recorder& record,
+                                       const SlamRun& run) {
   ResultWriter writer;
-  write_data(writer, places, record, located(record), {}, run,
-             places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
+  write_map_files(writer, places, record.slam(), {},
+                  places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
   // Pictures of an earlier run would not show what is written now.
   writer.draw([&] { std::filesystem::remove(places.out / "trajectory.svg"); });
   writer.draw([&] { clear_keyframe_gallery(places.out / "gallery"); });
-  writer.throw_failures();
+  return [writer, out = places.out, kept = record.kept(), body = run.body,
+          report = to_text(slam_report(run, record))]() mutable {
+    write_frames(writer, out, kept, body);
+    writer.write([&] { nn::write_file(out / "run.json", report); });
+    writer.throw_failures();
+  };
 }
 
 std::string body_text(const slam::Mounting& body) {

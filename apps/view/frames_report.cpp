@@ -14,10 +14,10 @@ namespace penumbra::apps {
 
 namespace {
 
-nlohmann::json histogram(const slam::Recorder& record, const slam::KeptFrame& frame) {
+nlohmann::json histogram(const slam::KeptFrames& run, const slam::KeptFrame& frame) {
   if (frame.bars == 0) return nullptr;
   std::vector<int> kept, removed;
-  for (const slam::FilterBar& bar : record.bars(frame)) {
+  for (const slam::FilterBar& bar : run.bars(frame)) {
     kept.push_back(bar.kept);
     removed.push_back(bar.removed);
   }
@@ -26,27 +26,6 @@ nlohmann::json histogram(const slam::Recorder& record, const slam::KeptFrame& fr
           {"kept", kept},
           {"removed", removed}};
 }
-
-// Writes what is there of a text whenever it has become long.
-class TextFile {
- public:
-  explicit TextFile(const std::filesystem::path& path) : file_(path) {}
-  void add(const std::string& text) {
-    text_ += text;
-    if (text_.size() < kAtOnce) return;
-    file_.write(text_.data(), text_.size());
-    text_.clear();
-  }
-  void commit() {
-    file_.write(text_.data(), text_.size());
-    file_.commit();
-  }
-
- private:
-  static constexpr std::size_t kAtOnce = 65536;
-  nn::FileInTheMaking file_;
-  std::string text_;
-};
 
 }  // namespace
 
@@ -64,20 +43,20 @@ const char* name_of(slam::TrackingState state) {
   return "lost";
 }
 
-void write_frames_report(const std::filesystem::path& path, const slam::Recorder& record) {
-  TextFile file(path);
+void write_frames_report(const std::filesystem::path& path, const slam::KeptFrames& run) {
+  nn::TextInTheMaking file(path);
   const char* before = "{";
   const auto column = [&](const char* name, const auto& value_of) {
     file.add(fmt::format("{}\"{}\":[", std::exchange(before, ","), name));
     const char* between = "";
-    for (const slam::KeptFrame& frame : record.frames())
+    for (const slam::KeptFrame& frame : run.frames())
       file.add(std::exchange(between, ",") + nlohmann::json(value_of(frame)).dump());
     file.add("]");
   };
   using Frame = const slam::KeptFrame&;
   column("covered_share", [](Frame f) { return to_a_millionth(f.covered_share); });
   column("features", [](Frame f) { return f.features; });
-  column("filter", [&](Frame f) { return histogram(record, f); });
+  column("filter", [&](Frame f) { return histogram(run, f); });
   column("index", [](Frame f) { return f.index; });
   column("inliers", [](Frame f) { return f.map_inliers; });
   column("keyframe", [](Frame f) { return f.keyframe; });

@@ -159,13 +159,13 @@ struct Way {
 Way way_of(const slam::Recorder& record) {
   Way way;
   std::optional<slam::TimedPose> before;  // the last frame, where it was located
-  const std::shared_lock lock(record.slam().map().mutex());
+  const slam::KeptFrames::Poses poses = record.kept().poses();
   for (const slam::KeptFrame& frame : record.frames()) {
     if (!frame.is_located()) {
       before.reset();
       continue;
     }
-    const slam::TimedPose here{frame.timestamp, frame.place().T_wc()};
+    const slam::TimedPose here{frame.timestamp, poses.of(frame)};
     if (before && !frame.starts_submap) {
       way.metres += (here.T_wc.translation - before->T_wc.translation).norm();
       way.seconds += here.timestamp - before->timestamp;
@@ -228,7 +228,7 @@ std::string plan_doubt(const slam::DenseMap& map, const slam::DenseSettings& set
 }
 
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record) {
-  int filter_kept = 0, filter_removed = 0, movable_features = 0;
+  std::int64_t filter_kept = 0, filter_removed = 0, movable_features = 0;
   slam::StaticPointCount points;
   std::vector<int> lost_frames, occluded_frames;
   for (const slam::KeptFrame& frame : record.frames()) {

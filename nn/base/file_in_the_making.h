@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 
 namespace penumbra::nn {
 
@@ -30,6 +31,35 @@ class FileInTheMaking {
   const std::filesystem::path path_, target_;
   std::filesystem::path temporary_;  // empty: the target is no plain file
   int file_ = -1;
+};
+
+// Such a file of text that comes piece by piece: pieces are gathered in 64 kB of memory.
+class TextInTheMaking {
+ public:
+  explicit TextInTheMaking(const std::filesystem::path& path) : file_(path) {}
+  // For who appends to it; then flush_if_long().
+  std::string& text() { return text_; }
+  void flush_if_long() {
+    if (text_.size() >= kAtOnce) flush();
+  }
+  void add(const std::string& text) {
+    text_ += text;
+    flush_if_long();
+  }
+  void commit(bool durable = true) {
+    flush();
+    file_.commit(durable);
+  }
+
+ private:
+  static constexpr std::size_t kAtOnce = 65536;
+  void flush() {
+    file_.write(text_.data(), text_.size());
+    text_.clear();
+  }
+
+  FileInTheMaking file_;
+  std::string text_;
 };
 
 }  // namespace penumbra::nn

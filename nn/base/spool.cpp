@@ -31,9 +31,7 @@ int nameless_file(const std::filesystem::path& folder) {
 
 }  // namespace
 
-SpoolFile::~SpoolFile() {
-  if (file_ >= 0) ::close(file_);
-}
+SpoolFile::File::~File() { ::close(descriptor); }
 
 void SpoolFile::append(const void* data, std::size_t size) {
   newest_.append(static_cast<const char*>(data), size);
@@ -41,11 +39,13 @@ void SpoolFile::append(const void* data, std::size_t size) {
 }
 
 void SpoolFile::flush() {
-  if (file_ < 0) file_ = nameless_file(folder_);
+  if (!file_) {
+    if (const int opened = nameless_file(folder_); opened >= 0) file_ = std::make_shared<const File>(opened);
+  }
   std::size_t done = 0;
-  while (file_ >= 0 && done < newest_.size()) {
-    const ssize_t count =
-        ::pwrite(file_, newest_.data() + done, newest_.size() - done, static_cast<off_t>(written_ + done));
+  while (file_ && done < newest_.size()) {
+    const ssize_t count = ::pwrite(file_->descriptor, newest_.data() + done, newest_.size() - done,
+                                   static_cast<off_t>(written_ + done));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) break;
     done += static_cast<std::size_t>(count);
@@ -62,7 +62,8 @@ void SpoolFile::flush() {
 void SpoolFile::read(std::size_t begin, void* to, std::size_t size) const {
   auto* out = static_cast<char*>(to);
   while (size > 0 && begin < written_) {
-    const ssize_t count = ::pread(file_, out, std::min(size, written_ - begin), static_cast<off_t>(begin));
+    const ssize_t count =
+        ::pread(file_->descriptor, out, std::min(size, written_ - begin), static_cast<off_t>(begin));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0)
       throw Error(fmt::format("what was kept in {} cannot be read back: {}",

@@ -9,6 +9,10 @@
 // The file is made when the first block is full. Where the folder takes none, or its disk is full, the values
 // stay in memory: nothing is lost. Memory: a block of 64 kB, and one more for whoever reads. One thread at a
 // time, readers included.
+//
+// A copy is what there was when it was made: it shares the file, of which it knows the part that never changes
+// again, so that another thread may read it while the first goes on. What is appended to a copy stays in
+// memory.
 #pragma once
 
 #include <algorithm>
@@ -29,8 +33,12 @@ class SpoolFile {
   static constexpr std::size_t kBlock = 65536;
 
   explicit SpoolFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  ~SpoolFile();
-  SpoolFile(const SpoolFile&) = delete;
+  SpoolFile(const SpoolFile& other)
+      : folder_(other.folder_),
+        file_(other.file_),
+        is_refused_(true),
+        written_(other.written_),
+        newest_(other.newest_) {}
   SpoolFile& operator=(const SpoolFile&) = delete;
 
   void append(const void* data, std::size_t size);
@@ -41,11 +49,19 @@ class SpoolFile {
   void read(std::size_t begin, void* to, std::size_t size) const;
 
  private:
+  struct File {
+    explicit File(int opened) : descriptor(opened) {}
+    ~File();
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    const int descriptor;
+  };
+
   void flush();
 
   const std::filesystem::path folder_;
-  int file_ = -1;
-  bool is_refused_ = false;  // no file, or a full disk: all else stays in memory
+  std::shared_ptr<const File> file_;
+  bool is_refused_ = false;  // no file, a full disk, or a copy: all else stays in memory
   std::size_t written_ = 0;
   std::string newest_;
 };
@@ -87,6 +103,10 @@ class Spool {
   // `folder`: where the file may lie; the system's for temporary files unless it is said.
   explicit Spool(std::filesystem::path folder = {})
       : bytes_(std::make_unique<SpoolFile>(std::move(folder))) {}
+  Spool(const Spool& other) : bytes_(std::make_unique<SpoolFile>(*other.bytes_)) {}
+  Spool& operator=(const Spool&) = delete;
+  Spool(Spool&&) = default;
+  Spool& operator=(Spool&&) = default;
 
   void push_back(const Value& value) { bytes_->append(&value, sizeof value); }
   std::size_t size() const { return bytes_->size() / sizeof(Value); }

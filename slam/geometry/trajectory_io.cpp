@@ -142,20 +142,6 @@ Trajectory read_timed(const PoseTable& table, TimeRule rule, const QuaternionCol
   return trajectory;
 }
 
-// -0 is 0 to every reader but a human one.
-double without_sign_of_zero(double value) { return value == 0.0 ? 0.0 : value; }
-
-void append_kitti_row(std::string& text, const SE3& pose) {
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      const double value = column < 3 ? pose.rotation(row, column) : pose.translation[row];
-      fmt::format_to(std::back_inserter(text), "{}{:.17g}", row + column == 0 ? "" : " ",
-                     without_sign_of_zero(value));
-    }
-  }
-  text += '\n';
-}
-
 }  // namespace
 
 std::vector<SE3> read_kitti_poses(const std::filesystem::path& path) {
@@ -166,18 +152,6 @@ std::vector<SE3> read_kitti_poses(const std::filesystem::path& path) {
 
 Trajectory read_kitti_trajectory(const std::filesystem::path& path, Notes* notes) {
   return read_matrices(path, notes);
-}
-
-void write_kitti_poses(const std::filesystem::path& path, const std::vector<SE3>& poses) {
-  std::string text;
-  for (const SE3& pose : poses) append_kitti_row(text, pose);
-  nn::write_file(path, text);
-}
-
-void write_kitti_poses(const std::filesystem::path& path, const Trajectory& trajectory) {
-  std::string text;
-  for (const TimedPose& pose : trajectory) append_kitti_row(text, pose.T_wc);
-  nn::write_file(path, text);
 }
 
 Trajectory read_tum_trajectory(const std::filesystem::path& path, Notes* notes) {
@@ -222,19 +196,6 @@ Trajectory read_tartanair_trajectory(const std::filesystem::path& path, Notes* n
   say_all(notes, table);
   say_unequal(notes, table.path, unequal, trajectory.size());
   return trajectory;
-}
-
-void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& trajectory) {
-  std::string text = "# timestamp tx ty tz qx qy qz qw\n";
-  for (const TimedPose& pose : trajectory) {
-    const Eigen::Quaterniond q = Eigen::Quaterniond(pose.T_wc.rotation).normalized();
-    const Eigen::Vector3d& t = pose.T_wc.translation;
-    fmt::format_to(std::back_inserter(text), "{:.9f}", pose.timestamp);
-    for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()})
-      fmt::format_to(std::back_inserter(text), " {:.17g}", without_sign_of_zero(value));
-    text += '\n';
-  }
-  nn::write_file(path, text);
 }
 
 const char* to_string(TrajectoryFormat format) {

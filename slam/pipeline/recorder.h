@@ -7,12 +7,9 @@
 //   record.finish();                                     Slam::finish(), and what it still found
 //
 // A frame's place is kept relative to a keyframe, so that corrections of the map since then move it, too.
-// Frames and the bars of their histograms lie in files without a name (nn/base/spool.h), 0.2 kB a frame each:
-// memory does not grow with them. The thread that calls Slam::process() uses it.
+// The thread that calls Slam::process() uses it.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -20,8 +17,8 @@
 #include <vector>
 
 #include "nn/base/samples.h"
-#include "nn/base/spool.h"
 #include "slam/geometry/trajectory.h"
+#include "slam/pipeline/kept_frames.h"
 #include "slam/pipeline/slam.h"
 
 namespace penumbra::slam {
@@ -35,38 +32,12 @@ struct SubmapSummary {
   int frames = 0, keyframes = 0;
 };
 
-// What is kept of a FrameResult.
-struct KeptFrame {
-  double timestamp = 0.0;                  // seconds
-  double milliseconds = 0.0;               // that it took
-  double covered_share = 0.0;              // of the image, by what moves
-  const KeyFrame* reference = nullptr;     // FramePlace, in plain numbers
-  std::array<double, 12> T_c_reference;    // rotation by columns, translation
-  std::uint64_t first_bar = 0;             // of the mismatch filter's histogram, among those of all frames
-  double bar_from = 0.0, bar_width = 0.0;  // pixels
-  int index = 0;
-  int features = 0, stereo_features = 0, movable_features = 0;
-  int frame_matches = 0, map_inliers = 0;
-  int bars = 0, filter_kept = 0, filter_removed = 0;
-  StaticPointCount static_points;
-  TrackingState state = TrackingState::initialising;
-  bool keyframe = false, starts_submap = false;
-
-  FramePlace place() const;
-  bool is_located() const { return state == TrackingState::tracking; }
-};
-
-// A bar of a frame's histogram.
-struct FilterBar {
-  int kept = 0, removed = 0;
-};
-
 class Recorder {
  public:
   // `slam` must live longer. `folder`: where frames are kept while the run goes on; the system's for
   // temporary files unless it is said.
   explicit Recorder(Slam& slam, const std::filesystem::path& folder = {})
-      : slam_(slam), frames_(folder), bars_(folder) {}
+      : slam_(slam), frames_(slam.map(), folder) {}
 
   // What the segmenter sees in the frame is to be kept, some 20 kB (dense_mapper.h); before the frame is
   // added.
@@ -78,13 +49,15 @@ class Recorder {
   void finish();
 
   const Slam& slam() const { return slam_; }
-  const Spool<KeptFrame>& frames() const { return frames_; }
+  // All that is kept of the frames; a copy of it is for another thread.
+  const KeptFrames& kept() const { return frames_; }
+  const Spool<KeptFrame>& frames() const { return frames_.frames(); }
   // Of the mismatch filter's histogram; empty where it did not run.
-  std::vector<FilterBar> bars(const KeptFrame& frame) const;
+  std::vector<FilterBar> bars(const KeptFrame& frame) const { return frames_.bars(frame); }
   int tracked() const { return tracked_; }
-  int lost() const { return static_cast<int>(frames_.size()) - tracked_; }
+  int lost() const { return static_cast<int>(frames().size()) - tracked_; }
   // Pose of every frame so far, as the map now sees it; a lost frame has the pose that was predicted for it.
-  Trajectory trajectory() const;
+  Trajectory trajectory() const { return frames_.trajectory(); }
   // The pieces of the map, in the order of their numbers.
   std::vector<SubmapSummary> submaps() const;
   // All objects that were found, by their numbers.
@@ -103,8 +76,7 @@ class Recorder {
 
   Slam& slam_;
   std::set<int> with_masks_;
-  Spool<KeptFrame> frames_;
-  Spool<FilterBar> bars_;
+  KeptFrames frames_;
   FrameResult newest_;
   int tracked_ = 0;
   std::vector<TrackedInstance> gone_;

@@ -94,6 +94,8 @@ class Program {
 
 struct Sample {
   double at = 0.0, memory = 0.0, delay = 0.0;  // seconds, megabytes, seconds (median)
+  double gap = 0.0;                            // seconds, the longest between two poses
+  double gap = 0.0;                            // seconds, the longest between two poses that came
 };
 
 // The slope of the least squares line, a second.
@@ -125,6 +127,7 @@ int soak(const std::string& penumbra, const std::string& folder, double minutes,
       {penumbra, "slam", "-", "--camera", rig, "--poses", "-", "--out", (out / "run").string()});
   std::mutex mutex;
   std::vector<double> delays;  // since the last line
+  double gap = 0.0;            // the longest between two poses, likewise
   std::atomic<int> located{0};
   program.write(fmt::format("YUV4MPEG2 W{} H{} F{}:1000 Ip Cmono\n", 2 * drive.camera.width,
                             drive.camera.height, static_cast<int>(1000.0 * rate)));
@@ -132,9 +135,11 @@ int soak(const std::string& penumbra, const std::string& folder, double minutes,
   std::thread reader([&] {
     FILE* const lines = ::fdopen(program.output(), "r");
     std::array<char, 512> line{};
+    double before = 0.0;
     while (std::fgets(line.data(), static_cast<int>(line.size()), lines) != nullptr) {
       const double timestamp = std::atof(line.data());
       const std::lock_guard lock(mutex);
+      gap = std::max(gap, timestamp - std::exchange(before, timestamp));
       delays.push_back(seconds_since(start) - timestamp);
       ++located;
     }
@@ -148,15 +153,19 @@ int soak(const std::string& penumbra, const std::string& folder, double minutes,
       while (!done && seconds_since(start) < next)
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
       if (done) break;
-      Sample sample{seconds_since(start), program.memory(), 0.0};
+      Sample sample{seconds_since(start), program.memory(), 0.0, 0.0};
       double worst = 0.0;
       {
         const std::lock_guard lock(mutex);
         worst = quantile_of(delays, 1.0);
         sample.delay = quantile_of(std::exchange(delays, {}), 0.5);
+        sample.gap = std::exchange(gap, 0.0);
       }
-      fmt::print("{:6.0f} s  {:7.1f} MB  delay {:5.1f} ms (most {:6.1f})  {} frames, {} located\n", sample.at,
-                 sample.memory, 1e3 * sample.delay, 1e3 * worst, sent.load(), located.load());
+      fmt::print(
+          "{:6.0f} s  {:7.1f} MB  delay {:5.1f} ms (most {:6.1f})  longest gap {:.0f} ms  {} frames, {} "
+          "located\n",
+          sample.at, sample.memory, 1e3 * sample.delay, 1e3 * worst, 1e3 * sample.gap, sent.load(),
+          located.load());
       std::fflush(stdout);
       if (sample.at > 60.0 * minutes / 3.0) samples.push_back(sample);  // the map is made in the first laps
     }
@@ -175,15 +184,19 @@ int soak(const std::string& penumbra, const std::string& folder, double minutes,
   const int code = program.wait();
   const double growth = 3600.0 * slope(samples, [](const Sample& s) { return s.memory; });
   const double drift = 3600.0 * slope(samples, [](const Sample& s) { return s.delay; });
+  const double widening = 3600.0 * slope(samples, [](const Sample& s) { return s.gap; });
   const double hours = samples.empty() ? 0.0 : (samples.back().at - samples.front().at) / 3600.0;
   const double a_frame = growth / (3600.0 * rate);
   fmt::print(
-      "{} of {} frames located; memory {:+.1f} MB an hour, {:.2f} kB a frame; delay {:+.1f} ms an hour; exit "
-      "code {}\n",
-      located.load(), sent.load(), growth, 1e3 * a_frame, 1e3 * drift, code);
+      "{} of {} frames located; memory {:+.1f} MB an hour, {:.2f} kB a frame; delay {:+.1f} ms an hour, "
+      "longest gap of ten seconds {:+.1f} ms; exit code {}\n",
+      located.load(), sent.load(), growth, 1e3 * a_frame, 1e3 * drift, 1e3 * widening, code);
   std::filesystem::remove_all(out);
   constexpr double kMostMemory = 20.0;  // megabytes: caches fill, nothing else
-  return code == 0 && growth * hours < kMostMemory && drift * hours < 1.0 / rate ? 0 : 1;
+  return code == 0 && growth * hours < kMostMemory && drift * hours < 1.0 / rate &&
+                 widening * hours < 2.0 / rate
+             ? 0
+             : 1;
 }
 
 }  // namespace

@@ -1,14 +1,18 @@
-// The SLAM with mapping beside the tracker. Also run under ThreadSanitizer: see CONTRIBUTING.md.
+// The SLAM with mapping beside the tracker. `./run test` runs them with the thread sanitizer, too.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
+#include <future>
 #include <string>
 #include <thread>
 
 #include "slam/map/map_file.h"
 #include "slam/map/ply.h"
+#include "slam/pipeline/recorder.h"
 #include "slam/pipeline/slam.h"
 #include "slam/world/street_sequence.h"
 #include "tests/slam/feature_world.h"
@@ -145,6 +149,27 @@ TEST_F(SlamThreads, WriteTheMapBetweenFrames) {
   }
   slam.finish();
   std::filesystem::remove(file);
+}
+
+// The frames so far, too, on a third thread, as one moment's map has them.
+TEST_F(SlamThreads, WriteTheFramesWhileTheyTrack) {
+  Slam slam(camera, Sensor::stereo, settings);
+  Recorder record(slam);
+  std::future<std::ptrdiff_t> written;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    record.add(slam.process(images[i]));
+    if (written.valid()) {
+      EXPECT_EQ(written.get(), static_cast<std::ptrdiff_t>(i));
+    }
+    written = std::async(std::launch::async, [kept = record.kept()] {
+      const Trajectory all = kept.trajectory();
+      return std::count_if(all.begin(), all.end(), [](const TimedPose& pose) {
+        return std::abs(pose.T_wc.rotation.determinant() - 1.0) < 1e-9;
+      });
+    });
+  }
+  EXPECT_EQ(written.get(), static_cast<std::ptrdiff_t>(images.size()));
+  record.finish();
 }
 
 // Seventy frames round a ring: a loop is closed, and the whole map adjusted, while the tracker goes on.

@@ -68,6 +68,28 @@ TEST_F(FileInTheMakingTest, WritesToWhatIsNoPlainFile) {
   EXPECT_EQ(files(), 1U);
 }
 
+// Of three times what is gathered in memory: it is there from commit() on, and not at all without.
+TEST_F(FileInTheMakingTest, TextComesPieceByPiece) {
+  std::string expected;
+  for (const bool committed : {false, true}) {
+    TextInTheMaking text(folder / "text");
+    for (int i = 0; i < 30000; ++i) {
+      const std::string line = std::to_string(i) + "\n";
+      if (committed) expected += line;
+      if (i % 2 == 0) {
+        text.add(line);
+      } else {
+        text.text() += line;
+        text.flush_if_long();
+      }
+    }
+    EXPECT_FALSE(fs::exists(folder / "text"));
+    if (committed) text.commit();
+  }
+  EXPECT_EQ(test::read_file(folder / "text"), expected);
+  EXPECT_EQ(files(), 1U);
+}
+
 TEST_F(FileInTheMakingTest, SaysWhatCannotBeWritten) {
   test::expect_error<Error>([&] { write_file(folder.path(), "text"); }, {"cannot be written", "a folder"});
   test::expect_error<Error>([&] { write_file(folder / "no/such", "text"); }, {"no/such: cannot be written"});

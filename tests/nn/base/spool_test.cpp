@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
 #include <random>
 
 #include "tests/support/test_data.h"
@@ -68,6 +69,22 @@ TEST(Spool, HoldsAllWhereNoFileCanBe) {
   for (std::uint64_t i = 0; i < 10000; ++i) rows.push_back(row(i));
   EXPECT_EQ(rows.bytes_on_disk(), 0U);
   expect_rows(rows, 10000);
+}
+
+// A copy is what there was, also while the first one goes on and when it is gone; neither sees the other's rows.
+TEST(Spool, ACopyHoldsWhatThereWas) {
+  const test::TemporaryDirectory folder;
+  for (const std::uint64_t size : {0, 7, 1639, 9001}) {
+    auto rows = std::make_unique<Spool<Row>>(folder.path());
+    for (std::uint64_t i = 0; i < size; ++i) rows->push_back(row(i));
+    Spool<Row> copy(*rows);
+    for (std::uint64_t i = size; i < size + 8000; ++i) rows->push_back(row(i));
+    expect_rows(copy, size);
+    for (std::uint64_t i = size; i < size + 3000; ++i) copy.push_back(row(i));
+    expect_rows(*rows, size + 8000);
+    rows.reset();
+    expect_rows(copy, size + 3000);
+  }
 }
 
 TEST(Spool, MayBeReadAtSeveralPlacesAtOnceAndGrowMeanwhile) {
