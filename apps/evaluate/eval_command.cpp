@@ -14,6 +14,7 @@
 #include "apps/evaluate/evaluation_report.h"
 #include "apps/evaluate/trajectory_pairing.h"
 #include "slam/evaluation/trajectory_plot.h"
+#include "nn/base/counted.h"
 
 namespace penumbra::apps {
 
@@ -38,9 +39,9 @@ void write_plot(const EvalOptions& options, const slam::TrajectoryPair& pair,
                 const slam::Evaluation& evaluation, slam::TrajectoryFormat format) {
   slam::TrajectoryPlotOptions plot;
   plot.title = "Estimate against ground truth";
-  plot.subtitle =
-      fmt::format("top view, {} poses, {:.1f} m, APE {:.3f} m rmse (alignment {})", evaluation.poses,
-                  evaluation.kitti.path_length, evaluation.ape.rmse, options.alignment);
+  plot.subtitle = fmt::format("top view, {}, {:.1f} m, APE {:.3f} m rmse (alignment {})",
+                              counted(evaluation.poses, "pose"), evaluation.kitti.path_length,
+                              evaluation.ape.rmse, options.alignment);
   plot.plane = format == slam::TrajectoryFormat::kitti ? slam::PlotPlane::xz : slam::PlotPlane::xy;
   slam::write_plot(options.plot, slam::draw_trajectories(evaluation.aligned_estimate, pair.reference, plot));
 }

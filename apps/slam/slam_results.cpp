@@ -150,9 +150,9 @@ void warn_of_pieces(const slam::Recorder& record) {
   for (std::size_t i = 1; i < submaps.size(); ++i) {
     if (submaps[i].frames == 0) continue;  // of a map that was loaded
     log_warning(
-        "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
-        "frames are right relative to each other, where they are is a guess",
-        submaps[i].first_frame, submaps[i].last_frame, submaps[i].frames);
+        "frames {} to {}: the way was lost before and no place of the earlier map was seen since; {} there, "
+        "right relative to each other, but where they are is a guess",
+        submaps[i].first_frame, submaps[i].last_frame, counted(submaps[i].frames, "located frame"));
   }
 }
 

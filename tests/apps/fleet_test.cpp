@@ -189,7 +189,7 @@ TEST_F(Fleet, EachRecordingIsDoneOrSaysWhyNot) {
             "d\tnot begun\t-\t-\t-\t-\t-\t\n"
             "e\tnot begun\t-\t-\t-\t-\t-\t\n");
   const std::string page = fleet_page(folder, read_fleet(folder));
-  EXPECT_NE(page.find("1 of 5 recordings are done"), std::string::npos);
+  EXPECT_NE(page.find("Done: 1 of 5 recordings"), std::string::npos);
   EXPECT_NE(page.find("&lt;torn&gt;"), std::string::npos);
   EXPECT_EQ(why_not_merged(folder), "not begun");
   write("merged/log.txt", "== Monday\nerror: b.map: another camera\nended with exit code 1\n");
