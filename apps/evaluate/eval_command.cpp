@@ -11,10 +11,12 @@
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
 #include "apps/common/log.h"
+#include "apps/common/parses_as.h"
 #include "apps/evaluate/evaluation_report.h"
 #include "apps/evaluate/trajectory_pairing.h"
-#include "slam/evaluation/trajectory_plot.h"
 #include "nn/base/counted.h"
+#include "slam/evaluation/trajectory_plot.h"
+#include "slam/sources/frame_range.h"
 
 namespace penumbra::apps {
 
@@ -90,9 +92,11 @@ void add_eval_command(CLI::App& app) {
                    "what may be fitted first: nothing, a rigid motion, a similarity")
       ->check(CLI::IsMember({"none", "se3", "sim3"}))
       ->capture_default_str();
-  command->add_option(
-      "--frames", pairing.frames,
-      "A:B, the lines of the ground truth (from 0, B excluded) that the estimate covers; KITTI only");
+  command
+      ->add_option("--frames", pairing.frames,
+                   "the lines of the ground truth (from 0, B excluded) that the estimate covers; KITTI only")
+      ->check(parses_as(slam::parse_frame_range))
+      ->type_name("A:B");
   command
       ->add_option("--segments", options->evaluation.segment_lengths,
                    "lengths of the KITTI drift's segments in metres (default 100,200,...,800)")

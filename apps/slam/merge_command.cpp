@@ -13,9 +13,9 @@
 #include "apps/common/compute_options.h"
 #include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
+#include "apps/slam/slam_results.h"
 #include "nn/base/counted.h"
 #include "nn/base/error.h"
-#include "nn/base/file.h"
 #include "nn/base/parallel.h"
 #include "slam/backend/map_merger.h"
 #include "slam/geometry/trajectory_io.h"
@@ -85,7 +85,7 @@ void merge(const MergeOptions& options) {
   if (options.maps.size() < 2) throw UsageError("merge: expected at least two maps");
   require_different(options);
   const std::vector<std::unique_ptr<slam::Map>> maps = read_maps(options.maps);
-  if (!options.out.empty()) nn::make_writable_folder(options.out);
+  prepare_places({options.out, options.output});
   slam::MapMergerSettings settings;
   settings.adjustment.threads = thread_count();
   int keyframes = 0;

@@ -93,7 +93,7 @@ void prepare_places(const ResultPlaces& places) {
     throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
   if (!map_folder.empty() && map_folder != places.out && !std::filesystem::is_directory(map_folder, error))
     throw InputError(map_folder.string(), "a folder for the map", "none");
-  nn::make_writable_folder(places.out);
+  if (!places.out.empty()) nn::make_writable_folder(places.out);
   if (!places.save_map.empty()) nn::require_writable_folder(map_folder.empty() ? "." : map_folder);
 }
 
