@@ -32,7 +32,7 @@ class Checkpoints {
     } catch (const Error& error) {
       log_warning("checkpoint: {}", error.what());
     }
-    malloc_trim(0);  // texts of all frames were made: the longer the run, the more of them
+    malloc_trim(0);  // poses of all frames were gathered: the longer the run, the more of them
     const Seconds spent = Clock::now() - begin;
     next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
   }

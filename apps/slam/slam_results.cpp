@@ -67,7 +67,7 @@ void write_data(ResultWriter& writer, const ResultPlaces& places, const slam::Re
 // The dense map and what run.json says of it. What this run does not have is not left there from an earlier
 // one.
 void write_dense(ResultWriter& writer, const std::filesystem::path& out, slam::DenseMapper* dense,
-                 const slam::Recorder& record, SlamRun& run) {
+                 slam::Sensor sensor, const slam::Recorder& record, SlamRun& run) {
   for (const char* name : {"dense.ply", "dense.pcd", "plan.pgm", "plan.yaml"}) {
     writer.draw([&] { std::filesystem::remove(out / name); });
   }
@@ -77,7 +77,7 @@ void write_dense(ResultWriter& writer, const std::filesystem::path& out, slam::D
   writer.write([&] { slam::write_dense_ply(out / "dense.ply", map.voxels, map.classes); });
   writer.write([&] { slam::write_pcd(out / "dense.pcd", map.voxels); });
   if (map.plan) writer.write([&] { slam::write_occupancy(out / "plan", *map.plan); });
-  if (const std::string doubt = plan_doubt(map, record.slam().settings().dense); !doubt.empty()) {
+  if (const std::string doubt = plan_doubt(map, record.slam().settings().dense, sensor); !doubt.empty()) {
     run.warnings.push_back(doubt);
     log_warning("{}", doubt);
   }
@@ -108,7 +108,7 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
                                                    slam::poses_of_body(*run.body, pair.estimate)}
                             : pair);
   ResultWriter writer;
-  write_dense(writer, out, dense, record, run);
+  write_dense(writer, out, dense, dataset.sensor(), record, run);
   write_data(writer, places, record, estimate, truth, run, places.save_map);
   if (estimate.empty()) {
     writer.draw([&] { std::filesystem::remove(out / "trajectory.svg"); });

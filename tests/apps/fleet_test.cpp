@@ -144,6 +144,12 @@ for ((i = 1; i < $#; ++i)); do [[ ${!i} != "${map:-}" ]] || { j=$((i + 1)); echo
   EXPECT_NE(run("step.sh merge", "log"), 0);
   EXPECT_EQ(why_not_merged(folder / "plan"), "district-2: no memory");
   EXPECT_FALSE(fs::exists(folder / "plan/merged/fleet.map"));
+  // A later plan without districts says nothing of them.
+  plan.district_size = 0;
+  write_fleet_plan(folder / "plan", plan);
+  EXPECT_NE(run("step.sh merge", "log"), 0);
+  EXPECT_FALSE(fs::exists(folder / "plan/merged/district-2"));
+  EXPECT_EQ(why_not_merged(folder / "plan"), "no memory");
 }
 
 TEST_F(Fleet, AMapIsNotMergedWithItselfNorOverwritten) {
