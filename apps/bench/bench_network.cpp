@@ -9,6 +9,7 @@
 
 #include "apps/bench/benchmark.h"
 #include "apps/network/network_options.h"
+#include "nn/base/counted.h"
 #include "nn/models/mask_rcnn.h"
 #include "nn/models/random_weights.h"
 #include "weights_tools/load_weights.h"
@@ -86,9 +87,9 @@ void bench_network(const NetworkBenchmarkOptions& options) {
   }
   print_machine(peak);
   const bool bf16 = network->precision() == nn::Precision::bf16;
-  fmt::print("{} in {}{}, {} image as {}, {} detections\n", network->name(), to_string(network->precision()),
+  fmt::print("{} in {}{}, {} image as {}, {}\n", network->name(), to_string(network->precision()),
              bf16 ? fmt::format(" by {}", to_string(nn::bf16_arithmetic())) : "", options.size,
-             result["input"].get<std::string>(), detections.size());
+             result["input"].get<std::string>(), counted(detections.size(), "detection"));
   fmt::print("backbone and pyramid {:8.1f} ms ({:.0f}% spread), {:.1f} GFLOP, {:.2f} x peak\n",
              pyramid.median * 1e3, pyramid.spread() * 100, gflop, gflop / pyramid.median / peak);
   fmt::print("full network         {:8.1f} ms ({:.0f}% spread), {:.0f} MB of activations\n",

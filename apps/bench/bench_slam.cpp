@@ -14,6 +14,7 @@
 #include "apps/bench/benchmark.h"
 #include "apps/bench/child_process.h"
 #include "apps/common/log.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/sources/euroc.h"
@@ -237,7 +238,7 @@ void run_benchmark(const SlamBenchmarkOptions& options) {
   if (options.json) fmt::print("{}\n", result.dump(2));
   const auto failed =
       std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row.contains("error"); });
-  if (failed > 0) throw Error(fmt::format("{} of {} runs failed", failed, rows.size()));
+  if (failed > 0) throw Error(fmt::format("{} of {} failed", failed, counted(rows.size(), "run")));
 }
 
 }  // namespace

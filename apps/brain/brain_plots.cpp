@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "slam/brain/position/place_cells.h"
 #include "slam/brain/position/position_model.h"
@@ -55,8 +56,8 @@ slam::PlotCanvas draw_cognitive_map(const slam::brain::CognitiveMap& map) {
   const auto recalled = std::count_if(map.links().begin(), map.links().end(),
                                       [](const slam::brain::Link& link) { return link.recalled; });
   const MapView to_picture = view_of(map, canvas.size());
-  canvas.text(fmt::format("{} nodes, {} links; red: {} by which a place was recalled", map.size(),
-                          map.links().size(), recalled),
+  canvas.text(fmt::format("{}, {}; red: {} by which a place was recalled", counted(map.size(), "node"),
+                          counted(map.links().size(), "link"), recalled),
               {kLeft, 60.0}, 12, slam::Anchor::left, slam::kFaintInk);
   for (const bool drawn_last : {false, true}) {
     for (const slam::brain::Link& link : map.links()) {

@@ -5,6 +5,7 @@
 #include "apps/brain/brain_figures.h"
 #include "apps/brain/brain_results.h"
 #include "apps/common/progress_bar.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/stopwatch.h"
@@ -89,7 +90,8 @@ class RunningRow {
 
 const slam::Trajectory& truth_of(const slam::StereoDataset& dataset) {
   if (!dataset.ground_truth() || static_cast<int>(dataset.ground_truth()->size()) != dataset.size()) {
-    throw InputError(dataset.name(), fmt::format("a true pose for each of its {} frames", dataset.size()),
+    throw InputError(dataset.name(),
+                     fmt::format("a true pose for each of its {}", counted(dataset.size(), "frame")),
                      fmt::format("{}", dataset.ground_truth() ? dataset.ground_truth()->size() : 0));
   }
   return *dataset.ground_truth();

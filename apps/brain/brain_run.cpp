@@ -82,9 +82,9 @@ class MotionSource {
                    const slam::brain::CameraMount& mount) {
     const slam::brain::OdometryNoise noise = slam::brain::odometry_noise(options.noise);
     if (!dataset.ground_truth() || static_cast<int>(dataset.ground_truth()->size()) != dataset.size()) {
-      throw UsageError(
-          fmt::format("--noise: expected a recording with a true pose for each of its {} frames, found {}",
-                      dataset.size(), dataset.ground_truth() ? dataset.ground_truth()->size() : 0));
+      throw UsageError(fmt::format(
+          "--noise: expected a recording with a true pose for each of its {}, found {}",
+          counted(dataset.size(), "frame"), dataset.ground_truth() ? dataset.ground_truth()->size() : 0));
     }
     for (const SelfMotion& motion : slam::brain::spoiled_odometry(
              *dataset.ground_truth(), noise, static_cast<std::uint64_t>(options.seed), mount))
@@ -186,7 +186,8 @@ void run_brain(const BrainOptions& options) {
     ProgressBar progress("Remembering", dataset->size());
     for (int i = 0; frames.has_next() && run.error.empty(); ++i) {
       if (Interruption::requested()) {
-        run.error = fmt::format("interrupted by {} after {} frames", Interruption::signal_name(), i);
+        run.error =
+            fmt::format("interrupted by {} after {}", Interruption::signal_name(), counted(i, "frame"));
         break;
       }
       std::optional<slam::StereoImages> images;
@@ -224,12 +225,12 @@ void run_brain(const BrainOptions& options) {
   std::vector<std::string> doubts = {motion.doubt(), brain.odometry_doubt()};
   if (run.lost > 0) {
     doubts.push_back(
-        fmt::format("visual odometry was lost in {} of {} frames, where the last motion was taken to go on",
-                    run.lost, record.results().size()));
+        fmt::format("visual odometry was lost in {} of {}, where the last motion was taken to go on",
+                    run.lost, counted(record.results().size(), "frame")));
   }
   if (brain.maps_that_flew_apart() > 0) {
-    doubts.push_back(fmt::format("the map flew apart in {} relaxations, and was left as it was",
-                                 brain.maps_that_flew_apart()));
+    doubts.push_back(fmt::format("the map flew apart in {}, and was left as it was",
+                                 counted(brain.maps_that_flew_apart(), "relaxation")));
   }
   for (const std::string& doubt : doubts) {
     if (doubt.empty()) continue;

@@ -18,6 +18,7 @@
 #include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
 #include "apps/network/image_list.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/text.h"
@@ -61,18 +62,19 @@ class LandmarksRun {
     }
     progress.reset();
     if (report_.empty() && failed_ > 0)
-      throw Error(fmt::format("{} of {} images could not be read", failed_, images.size()));
+      throw Error(fmt::format("{} of {} could not be read", failed_, counted(images.size(), "image")));
     const std::filesystem::path file = options_.out / "landmarks.json";
     const nlohmann::ordered_json content = {{"weights", printable(options_.weights.string(), 400)},
                                             {"images", report_}};
     nn::write_file(file, content.dump() + "\n");
-    fmt::print("{} images, {:.1f} landmarks and {:.1f} ms an image; {}\n", report_.size(),
+    fmt::print("{}, {:.1f} landmarks and {:.1f} ms an image; {}\n", counted(report_.size(), "image"),
                static_cast<double>(found_) / static_cast<double>(std::max<std::size_t>(report_.size(), 1)),
                1e3 * seconds_ / static_cast<double>(std::max<std::size_t>(report_.size(), 1)), file.string());
     if (Interruption::requested())
-      throw Error(fmt::format("interrupted by {} after {} of {} images", Interruption::signal_name(),
-                              report_.size() + failed_, images.size()));
-    if (failed_ > 0) throw Error(fmt::format("{} of {} images could not be read", failed_, images.size()));
+      throw Error(fmt::format("interrupted by {} after {} of {}", Interruption::signal_name(),
+                              report_.size() + failed_, counted(images.size(), "image")));
+    if (failed_ > 0)
+      throw Error(fmt::format("{} of {} could not be read", failed_, counted(images.size(), "image")));
   }
 
  private:

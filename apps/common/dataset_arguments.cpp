@@ -1,6 +1,7 @@
 #include "apps/common/dataset_arguments.h"
 
 #include "apps/common/finite_number.h"
+#include "apps/common/parses_as.h"
 #include "slam/sources/frame_range.h"
 
 namespace penumbra::apps {
@@ -10,7 +11,9 @@ void add_dataset_arguments(CLI::App& command, DatasetArguments& arguments, const
   command.add_option("--format", arguments.format, "layout of the dataset")
       ->check(CLI::IsMember({"auto", "kitti", "euroc", "published", "tum", "folder", "bag"}))
       ->capture_default_str();
-  command.add_option("--frames", arguments.frames, "A:B, frames A to B-1 only");
+  command.add_option("--frames", arguments.frames, "frames A to B-1 only")
+      ->check(parses_as(slam::parse_frame_range))
+      ->type_name("A:B");
   command.add_option("--step", arguments.step, "take every n-th frame, as a slower camera would")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

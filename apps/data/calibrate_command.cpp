@@ -11,6 +11,7 @@
 #include "apps/common/commands.h"
 #include "apps/common/compute_options.h"
 #include "apps/common/log.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/image/image_file.h"
 #include "nn/io/safetensors.h"
@@ -43,8 +44,8 @@ void calibrate(const CalibrateOptions& options) {
   }
   nn::store_input_ranges(ranges, weights);
   nn::write_safetensors(options.output, weights);
-  fmt::print("{} -> {}: input ranges of {} layers from {} images\n", options.weights, options.output,
-             ranges.size(), options.images.size());
+  fmt::print("{} -> {}: input ranges of {} from {}\n", options.weights, options.output,
+             counted(ranges.size(), "layer"), counted(options.images.size(), "image"));
 }
 
 }  // namespace

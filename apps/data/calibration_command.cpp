@@ -116,10 +116,11 @@ void calibration(const CalibrationOptions& options) {
                  camera.rectified ? "undistorted" : "rectified", c.fx, c.fy, c.cx, c.cy,
                  camera.rectified ? camera.baseline : c.baseline);
     }
-    for (const slam::LensCamera* lens : {&camera.left, camera.rectified ? nullptr : &camera.right}) {
-      if (lens == nullptr) continue;
-      for (const std::string& doubt : slam::check_camera(as_given(*lens))) log_warning("{}", doubt);
-    }
+    const auto warn = [](const char* whose, const slam::LensCamera& lens) {
+      for (const std::string& doubt : slam::check_camera(as_given(lens))) log_warning("{}{}", whose, doubt);
+    };
+    warn(camera.rectified ? "" : "left camera: ", camera.left);
+    if (!camera.rectified) warn("right camera: ", camera.right);
   } else if (!camera.rectified) {
     log_warning(
         "the file does not say the size of the images: give it by --size, or that of the first image counts");

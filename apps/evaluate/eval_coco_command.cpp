@@ -14,6 +14,7 @@
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
 #include "apps/common/log.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/evaluation/coco_evaluation.h"
 
@@ -68,14 +69,16 @@ bool any_has_segmentation(const Entries& entries) {
 // What the numbers leave out or count in a way that surprises.
 void warn_of_coco_rules(const nn::CocoAnnotations& annotations, const nn::CocoResults& results,
                         nn::CocoRules rules) {
-  const auto left_out = [](const std::string& file, std::size_t count, const char* what) {
-    if (count > 0) log_warning("{}: {} {} left out, as the official tool does", file, count, what);
+  const auto left_out = [](const std::string& file, std::size_t count, const char* what, const char* of) {
+    if (count > 0) {
+      log_warning("{}: left out, as the official tool does: {} of {}", file, counted(count, what), of);
+    }
   };
-  left_out(annotations.file, annotations.of_unknown_images, "annotations of images that it does not list");
-  left_out(annotations.file, annotations.of_unknown_categories,
-           "annotations of categories that it does not list");
-  left_out(results.file, results.of_unknown_categories,
-           "results of categories that the annotations do not list");
+  left_out(annotations.file, annotations.of_unknown_images, "annotation", "images that it does not list");
+  left_out(annotations.file, annotations.of_unknown_categories, "annotation",
+           "categories that it does not list");
+  left_out(results.file, results.of_unknown_categories, "result",
+           "categories that the annotations do not list");
   if (rules == nn::CocoRules::sensible) return;
   const auto with_id_0 =
       std::count_if(annotations.annotations.begin(), annotations.annotations.end(),
@@ -88,10 +91,11 @@ void warn_of_coco_rules(const nn::CocoAnnotations& annotations, const nn::CocoRe
   }
   if (results.with_boxes > 0 && results.with_boxes < results.results.size()) {
     log_warning(
-        "{}: {} of {} results have a bbox; the first has {}, so by the official tool's rule the size of {} "
+        "{}: with a bbox: {} of {}; the first has {}, so by the official tool's rule the size of {} "
         "is that of {} (APs, APm, APl); --rules sensible takes each by what it has",
-        results.file, results.with_boxes, results.results.size(), results.first_has_box ? "one" : "none",
-        results.first_has_box ? "those" : "all", results.first_has_box ? "their boxes" : "their masks");
+        results.file, results.with_boxes, counted(results.results.size(), "result"),
+        results.first_has_box ? "one" : "none", results.first_has_box ? "those" : "all",
+        results.first_has_box ? "their boxes" : "their masks");
   }
 }
 
@@ -163,9 +167,9 @@ const char* meaning(std::string_view name) {
 }
 
 std::string table(const CocoReport& report) {
-  std::string text =
-      fmt::format("{} images, {} objects and {} crowds, {} detections\n\n{:<26}", report.images,
-                  report.annotations - report.crowds, report.crowds, report.results, "");
+  std::string text = fmt::format("{}, {} and {}, {}\n\n{:<26}", counted(report.images, "image"),
+                                 counted(report.annotations - report.crowds, "object"),
+                                 counted(report.crowds, "crowd"), counted(report.results, "detection"), "");
   const auto out = std::back_inserter(text);
   if (report.boxes) fmt::format_to(out, "{:>10}", "boxes");
   if (report.masks) fmt::format_to(out, "{:>10}", "masks");
@@ -182,7 +186,7 @@ std::string table(const CocoReport& report) {
   if (!report.by_occlusion.empty()) fmt::format_to(out, "\n\nAP by the hidden share of an object");
   for (const OcclusionReport& part : report.by_occlusion) {
     const std::string range = fmt::format("{:g} to {:g}", part.range.from, part.range.to);
-    fmt::format_to(out, "\n{:<12}{:<14}", range, fmt::format("{} objects", part.objects));
+    fmt::format_to(out, "\n{:<12}{:<14}", range, counted(part.objects, "object"));
     append(part.boxes, "AP");
     append(part.masks, "AP");
   }

@@ -11,9 +11,12 @@
 #include "apps/common/commands.h"
 #include "apps/common/finite_number.h"
 #include "apps/common/log.h"
+#include "apps/common/parses_as.h"
 #include "apps/evaluate/evaluation_report.h"
 #include "apps/evaluate/trajectory_pairing.h"
+#include "nn/base/counted.h"
 #include "slam/evaluation/trajectory_plot.h"
+#include "slam/sources/frame_range.h"
 
 namespace penumbra::apps {
 
@@ -38,9 +41,9 @@ void write_plot(const EvalOptions& options, const slam::TrajectoryPair& pair,
                 const slam::Evaluation& evaluation, slam::TrajectoryFormat format) {
   slam::TrajectoryPlotOptions plot;
   plot.title = "Estimate against ground truth";
-  plot.subtitle =
-      fmt::format("top view, {} poses, {:.1f} m, APE {:.3f} m rmse (alignment {})", evaluation.poses,
-                  evaluation.kitti.path_length, evaluation.ape.rmse, options.alignment);
+  plot.subtitle = fmt::format("top view, {}, {:.1f} m, APE {:.3f} m rmse (alignment {})",
+                              counted(evaluation.poses, "pose"), evaluation.kitti.path_length,
+                              evaluation.ape.rmse, options.alignment);
   plot.plane = format == slam::TrajectoryFormat::kitti ? slam::PlotPlane::xz : slam::PlotPlane::xy;
   slam::write_plot(options.plot, slam::draw_trajectories(evaluation.aligned_estimate, pair.reference, plot));
 }
@@ -89,9 +92,11 @@ void add_eval_command(CLI::App& app) {
                    "what may be fitted first: nothing, a rigid motion, a similarity")
       ->check(CLI::IsMember({"none", "se3", "sim3"}))
       ->capture_default_str();
-  command->add_option(
-      "--frames", pairing.frames,
-      "A:B, the lines of the ground truth (from 0, B excluded) that the estimate covers; KITTI only");
+  command
+      ->add_option("--frames", pairing.frames,
+                   "the lines of the ground truth (from 0, B excluded) that the estimate covers; KITTI only")
+      ->check(parses_as(slam::parse_frame_range))
+      ->type_name("A:B");
   command
       ->add_option("--segments", options->evaluation.segment_lengths,
                    "lengths of the KITTI drift's segments in metres (default 100,200,...,800)")

@@ -12,6 +12,7 @@
 #include "apps/common/finite_number.h"
 #include "apps/common/made_truth.h"
 #include "apps/common/progress_bar.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/image/image_file.h"
 #include "slam/evaluation/dense_evaluation.h"
@@ -75,8 +76,8 @@ slam::DenseTruth read_truth(const EvalDenseOptions& options) {
   const slam::Trajectory& poses = *dataset->ground_truth();
   if (static_cast<int>(poses.size()) != dataset->size()) {
     throw InputError((folder / "groundtruth.txt").string(),
-                     fmt::format("a pose for each of {} frames", dataset->size()),
-                     fmt::format("{} poses", poses.size()));
+                     fmt::format("a pose for each of {}", counted(dataset->size(), "frame")),
+                     counted(poses.size(), "pose"));
   }
   slam::DenseTruth truth;
   ProgressBar progress("Reading the truth", dataset->size());
@@ -108,8 +109,9 @@ std::optional<slam::OccupancyGrid> true_plan(const std::filesystem::path& truth)
 }
 
 void tell(const slam::DenseScore& score) {
-  fmt::print("{} voxels; median error {:.1f} mm, at 3 m {:.1f} mm, 95 % below {:.1f} mm\n", score.voxels,
-             1e3 * score.median_error, 1e3 * score.median_error_at_3m, 1e3 * score.p95_error);
+  fmt::print("{}; median error {:.1f} mm, at 3 m {:.1f} mm, 95 % below {:.1f} mm\n",
+             counted(score.voxels, "voxel"), 1e3 * score.median_error, 1e3 * score.median_error_at_3m,
+             1e3 * score.p95_error);
   fmt::print(
       "complete to {:.1f} % of what was measured; {:.3f} % of it left of people, {:.3f} % of things that "
       "moved\n",

@@ -13,6 +13,7 @@
 #include "apps/common/log.h"
 #include "apps/common/run_json.h"
 #include "apps/view/loops_report.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/evaluation/loop_evaluation.h"
@@ -110,7 +111,7 @@ slam::Trajectory true_poses(const EvalLoopsOptions& options, const Run& run) {
     for (const int frame : frames) {
       if (frame < 0 || frame >= static_cast<int>(all.size())) {
         throw InputError(options.ground_truth, fmt::format("a pose for frame {}", frame),
-                         fmt::format("{} poses", all.size()));
+                         counted(all.size(), "pose"));
       }
       truth.push_back(all[static_cast<std::size_t>(frame)]);
     }
@@ -121,7 +122,7 @@ slam::Trajectory true_poses(const EvalLoopsOptions& options, const Run& run) {
   slam::TrajectoryPair pair = slam::associate_by_time(all, estimate, 0.05);
   if (pair.reference.size() != frames.size()) {
     throw InputError(options.ground_truth,
-                     fmt::format("a pose within 0.05 s of each of {} frames", frames.size()),
+                     fmt::format("a pose within 0.05 s of each of {}", counted(frames.size(), "frame")),
                      fmt::format("{}", pair.reference.size()));
   }
   return pair.reference;

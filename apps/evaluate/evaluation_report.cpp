@@ -47,16 +47,15 @@ ordered_json drift_json(const SegmentDrift& drift) {
           {"r_rel_deg_per_100m", known ? ordered_json(drift.rotation) : ordered_json(nullptr)}};
 }
 
-std::string frames_name(int frames) { return counted(static_cast<std::uint64_t>(frames), "frame"); }
+std::string frames_name(int frames) { return counted(frames, "frame"); }
 
 }  // namespace
 
 std::string evaluation_table(const slam::Evaluation& evaluation, const slam::EvaluationOptions& options) {
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{}, path of {:.1f} m, alignment {}",
-                 counted(static_cast<std::uint64_t>(evaluation.poses), "pose"), evaluation.kitti.path_length,
-                 to_string(options.alignment));
+  fmt::format_to(out, "{}, path of {:.1f} m, alignment {}", counted(evaluation.poses, "pose"),
+                 evaluation.kitti.path_length, to_string(options.alignment));
   if (options.alignment == slam::Alignment::sim3)
     fmt::format_to(out, " (scale {:.6f})", evaluation.alignment.scale);
   fmt::format_to(out, "\n\n{:<24}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>8}\n", "", "rmse", "mean", "median",

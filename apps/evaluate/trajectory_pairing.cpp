@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/common/log.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "slam/sources/frame_range.h"
 
@@ -71,7 +72,7 @@ slam::TrajectoryPair pair_by_line(const PairingOptions& options, slam::Trajector
   }
   if (truth.size() != estimate.size()) {
     throw InputError(options.estimate,
-                     fmt::format("{} poses as in {}{}", truth.size(), options.ground_truth,
+                     fmt::format("{} as in {}{}", counted(truth.size(), "pose"), options.ground_truth,
                                  options.frames.empty() ? "" : " " + options.frames),
                      fmt::format("{} (--frames A:B picks a part of the ground truth)", estimate.size()));
   }
@@ -100,8 +101,8 @@ PairedTrajectories pair_trajectories(const PairingOptions& options) {
   }
   for (slam::TimedPose& pose : estimate) pose.timestamp += options.time_offset;
   slam::TrajectoryPair pair = slam::associate_by_time(truth, estimate, options.max_time_difference);
-  log_info("{} of {} estimated poses have a ground truth within {:g} s", pair.estimate.size(),
-           estimate.size(), options.max_time_difference);
+  log_info("with a ground truth within {:g} s: {} of {}", options.max_time_difference, pair.estimate.size(),
+           counted(estimate.size(), "estimated pose"));
   return {std::move(pair), formats.truth, truth.size(), estimate.size()};
 }
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/text.h"
@@ -163,8 +164,9 @@ std::string fleet_table(const std::vector<FleetRow>& rows) {
 std::string fleet_page(const fs::path& plan, const std::vector<FleetRow>& rows) {
   std::string page = fmt::format(
       "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>Fleet</title><style>{}</style>"
-      "<h1>{} of {} recordings are done</h1><table><tr>",
-      kStyle, std::ranges::count(rows, FleetState::done, &FleetRow::state), rows.size());
+      "<h1>Done: {} of {}</h1><table><tr>",
+      kStyle, std::ranges::count(rows, FleetState::done, &FleetRow::state),
+      counted(rows.size(), "recording"));
   for (const char* heading : kHeadings) page += fmt::format("<th>{}</th>", heading);
   page += "</tr>";
   for (const FleetRow& row : rows) {

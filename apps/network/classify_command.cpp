@@ -11,6 +11,7 @@
 #include "apps/common/log.h"
 #include "apps/network/image_list.h"
 #include "apps/network/load_network.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/layers/activations.h"
 #include "nn/models/class_names.h"
@@ -79,7 +80,7 @@ void classify(const ClassifyOptions& options) {
   }
   if (options.json) fmt::print("{}\n", results.dump(1));
   if (failed > 0) {
-    throw Error(fmt::format("{} of {} images could not be read", failed, images.size()));
+    throw Error(fmt::format("{} of {} could not be read", failed, counted(images.size(), "image")));
   }
 }
 

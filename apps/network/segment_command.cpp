@@ -106,7 +106,7 @@ class SegmentRun {
     const std::filesystem::path file = results_file();
     results_.write(file);
     if (left_out_ > 0) {
-      log_warning("{} instances of classes that {} does not have are left out", left_out_,
+      log_warning("left out: {} of classes that {} does not have", counted(left_out_, "instance"),
                   options_.annotations);
     }
     if (options_.json) {
@@ -123,10 +123,12 @@ class SegmentRun {
 
   [[noreturn]] void throw_incomplete() const {
     if (Interruption::requested()) {
-      throw Error(fmt::format("interrupted by {} after {} of {} images", Interruption::signal_name(),
-                              segmented_ + static_cast<int>(failed_.size()), input_.images.size()));
+      throw Error(fmt::format("interrupted by {} after {} of {}", Interruption::signal_name(),
+                              segmented_ + static_cast<int>(failed_.size()),
+                              counted(input_.images.size(), "image")));
     }
-    throw Error(fmt::format("{} of {} images could not be read", failed_.size(), input_.images.size()));
+    throw Error(
+        fmt::format("{} of {} could not be read", failed_.size(), counted(input_.images.size(), "image")));
   }
 
   // Results without those of some images do not take the place of earlier ones, which may be complete.
@@ -189,8 +191,7 @@ class SegmentRun {
   }
 
   void print_summary() const {
-    fmt::print("{}, {}, {:.3f} s an image, {:.0f} MB of activations\n",
-               counted(static_cast<std::uint64_t>(segmented_), "image"),
+    fmt::print("{}, {}, {:.3f} s an image, {:.0f} MB of activations\n", counted(segmented_, "image"),
                counted(results_.size() + left_out_, "instance"), segmented_ > 0 ? seconds_ / segmented_ : 0.0,
                static_cast<double>(loaded_.network->arena().peak_bytes()) * 1e-6);
   }

@@ -119,8 +119,8 @@ void FrameInput::tell(SlamRun& run) const {
   if (Interruption::requested()) run.stream["ended_by"] = Interruption::signal_name();
   log_info(
       "the stream had {}, of which {} {} dropped; a frame waited {:.0f} ms at the mean, {:.0f} ms at most",
-      counted(static_cast<std::uint64_t>(counts.read), "frame"), counts.dropped,
-      counts.dropped == 1 ? "was" : "were", 1e3 * counts.mean_delay, 1e3 * counts.longest_delay);
+      counted(counts.read, "frame"), counts.dropped, counts.dropped == 1 ? "was" : "were",
+      1e3 * counts.mean_delay, 1e3 * counts.longest_delay);
   if (const std::string remark = stream_->remark(); !remark.empty()) {
     run.stream["remark"] = remark;
     log_info("{}", remark);

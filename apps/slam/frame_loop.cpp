@@ -156,8 +156,8 @@ void FrameLoop::tell() {
   const std::vector<slam::ClosedLoop> loops = slam_.loops();
   for (; reported_loops_ < loops.size(); ++reported_loops_) {
     const slam::ClosedLoop& loop = loops[reported_loops_];
-    log_info("frame {}: loop with frame {} closed, {} points, {:.2f} m", loop.frame, loop.earlier_frame,
-             loop.inliers, loop.correction_metres);
+    log_info("frame {}: loop with frame {} closed, {}, {:.2f} m", loop.frame, loop.earlier_frame,
+             counted(loop.inliers, "point"), loop.correction_metres);
   }
 }
 

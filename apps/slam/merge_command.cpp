@@ -13,9 +13,9 @@
 #include "apps/common/compute_options.h"
 #include "apps/common/log.h"
 #include "apps/common/progress_bar.h"
+#include "apps/slam/slam_results.h"
 #include "nn/base/counted.h"
 #include "nn/base/error.h"
-#include "nn/base/file.h"
 #include "nn/base/parallel.h"
 #include "slam/backend/map_merger.h"
 #include "slam/geometry/trajectory_io.h"
@@ -48,8 +48,8 @@ void print_parts(const MergeOptions& options, const slam::MergedMaps& merged) {
   for (const slam::MergedPart& part : merged.parts) {
     const Eigen::Vector3d& t = part.T_merged_own.translation;
     fmt::print("{}: {}, piece {}, {} to other maps, its origin at ({:.2f}, {:.2f}, {:.2f})\n",
-               options.maps[part.source], counted(static_cast<std::uint64_t>(part.keyframes), "keyframe"),
-               part.piece, counted(static_cast<std::uint64_t>(part.ties), "tie"), t.x(), t.y(), t.z());
+               options.maps[part.source], counted(part.keyframes, "keyframe"), part.piece,
+               counted(part.ties, "tie"), t.x(), t.y(), t.z());
   }
   if (merged.pieces > 1) {
     log_warning("{} pieces share nothing that was recognised: each keeps its own origin and orientation",
@@ -85,7 +85,7 @@ void merge(const MergeOptions& options) {
   if (options.maps.size() < 2) throw UsageError("merge: expected at least two maps");
   require_different(options);
   const std::vector<std::unique_ptr<slam::Map>> maps = read_maps(options.maps);
-  if (!options.out.empty()) nn::make_writable_folder(options.out);
+  prepare_places({options.out, options.output});
   slam::MapMergerSettings settings;
   settings.adjustment.threads = thread_count();
   int keyframes = 0;
@@ -103,8 +103,7 @@ void merge(const MergeOptions& options) {
   }
   print_parts(options, merged);
   fmt::print("{}: {}, {}, {}\n", options.output, counted(merged.map->keyframes().size(), "keyframe"),
-             counted(merged.map->points().size(), "point"),
-             counted(static_cast<std::uint64_t>(merged.pieces), "piece"));
+             counted(merged.map->points().size(), "point"), counted(merged.pieces, "piece"));
 }
 
 }  // namespace

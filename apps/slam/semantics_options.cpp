@@ -12,25 +12,6 @@ namespace penumbra::apps {
 
 namespace {
 
-void parse_segmentation(const std::string& text, slam::SemanticsSettings& semantics) {
-  using Mode = slam::SegmentationMode;
-  constexpr std::string_view kEvery = "every-";
-  if (text == "keyframes" || text == "all" || text == "off") {
-    semantics.mode = text == "keyframes" ? Mode::keyframes : text == "all" ? Mode::all : Mode::off;
-    return;
-  }
-  const std::string number = text.rfind(kEvery, 0) == 0 ? text.substr(kEvery.size()) : "";
-  const bool is_number =
-      !number.empty() && number.size() <= 6 && number.find_first_not_of("0123456789") == number.npos;
-  if (!is_number || std::stoi(number) == 0) {
-    throw UsageError(fmt::format(
-        "--segmentation: expected 'keyframes', 'every-N' such as 'every-5', 'all' or 'off', found '{}'",
-        text));
-  }
-  semantics.mode = Mode::interval;
-  semantics.interval = std::stoi(number);
-}
-
 // As --dynamics has it.
 std::string option_word(slam::InstanceMasks masks) {
   return masks == slam::InstanceMasks::dbscan ? "static-points" : slam::word_of(masks);
@@ -67,13 +48,31 @@ void require_user_of(const SlamOptions& options, slam::InstanceMasks masks) {
 
 }  // namespace
 
+void set_segmentation(const std::string& text, slam::SemanticsSettings& semantics) {
+  using Mode = slam::SegmentationMode;
+  constexpr std::string_view kEvery = "every-";
+  if (text == "keyframes" || text == "all" || text == "off") {
+    semantics.mode = text == "keyframes" ? Mode::keyframes : text == "all" ? Mode::all : Mode::off;
+    return;
+  }
+  const std::string number = text.rfind(kEvery, 0) == 0 ? text.substr(kEvery.size()) : "";
+  const bool is_number =
+      !number.empty() && number.size() <= 6 && number.find_first_not_of("0123456789") == number.npos;
+  if (!is_number || std::stoi(number) == 0) {
+    throw UsageError(
+        fmt::format("expected 'keyframes', 'every-N' such as 'every-5', 'all' or 'off', found '{}'", text));
+  }
+  semantics.mode = Mode::interval;
+  semantics.interval = std::stoi(number);
+}
+
 bool has_a_say(const SlamOptions& options, const char* name) {
   return options.settings.empty() || options.given.contains(name);
 }
 
 void set_semantics(const SlamOptions& options, slam::SemanticsSettings& semantics) {
   const auto says = [&](const char* name) { return has_a_say(options, name); };
-  if (says("--segmentation")) parse_segmentation(options.segmentation, semantics);
+  if (says("--segmentation")) set_segmentation(options.segmentation, semantics);
   if (options.least_score) semantics.instances.least_score = *options.least_score;
   set_masks(options, semantics);
   // What follows from --dynamics or --static-points follows beside a file of settings, too.

@@ -13,8 +13,11 @@ bool has_a_say(const SlamOptions& options, const char* name);
 
 // --segmentation, --dynamics and what belongs to it, --static-points, --moving. With boxes, and where points
 // that stand are given back one by one, the class of a thing decides whether it moves, as in the papers,
-// unless --moving says otherwise. UsageError for a --segmentation that is none.
+// unless --moving says otherwise. UsageError as set_segmentation().
 void set_semantics(const SlamOptions& options, slam::SemanticsSettings& semantics);
+
+// Which frames `text`, as --segmentation takes it, says. Throws UsageError where it says none.
+void set_segmentation(const std::string& text, slam::SemanticsSettings& semantics);
 
 // Throws UsageError where --dynamics lacks what it needs.
 void check_semantics(const SlamOptions& options, const slam::StereoDataset& dataset,

@@ -8,7 +8,9 @@
 #include "apps/common/compute_options.h"
 #include "apps/common/dataset_arguments.h"
 #include "apps/common/finite_number.h"
+#include "apps/common/parses_as.h"
 #include "apps/network/load_network.h"
+#include "apps/slam/semantics_options.h"
 #include "apps/slam/slam_run.h"
 #include "slam/pipeline/settings_file.h"
 
@@ -112,6 +114,10 @@ void add_slam_command(CLI::App& app) {
       ->add_option("--segmentation", options->segmentation,
                    "frames that are segmented: keyframes (and one after 0.15 s without any), every-N, all "
                    "(tracking waits), off")
+      ->check(parses_as([](const std::string& text) {
+        slam::SemanticsSettings semantics;
+        set_segmentation(text, semantics);
+      }))
       ->capture_default_str()
       ->type_name("WHICH");
   command

@@ -92,7 +92,7 @@ void write_map_files(ResultWriter& writer, const ResultPlaces& places, const sla
 // The dense map and what run.json says of it. What this run does not have is not left there from an earlier
 // one.
 void write_dense(ResultWriter& writer, const std::filesystem::path& out, slam::DenseMapper* dense,
-                 const slam::Recorder& record, SlamRun& run) {
+                 slam::Sensor sensor, const slam::Recorder& record, SlamRun& run) {
   for (const char* name : {"dense.ply", "dense.pcd", "plan.pgm", "plan.yaml"}) {
     writer.draw([&] { std::filesystem::remove(out / name); });
   }
@@ -102,7 +102,7 @@ void write_dense(ResultWriter& writer, const std::filesystem::path& out, slam::D
   writer.write([&] { slam::write_dense_ply(out / "dense.ply", map.voxels, map.classes); });
   writer.write([&] { slam::write_pcd(out / "dense.pcd", map.voxels); });
   if (map.plan) writer.write([&] { slam::write_occupancy(out / "plan", *map.plan); });
-  if (const std::string doubt = plan_doubt(map, record.slam().settings().dense); !doubt.empty()) {
+  if (const std::string doubt = plan_doubt(map, record.slam().settings().dense, sensor); !doubt.empty()) {
     run.warnings.push_back(doubt);
     log_warning("{}", doubt);
   }
@@ -118,7 +118,7 @@ void prepare_places(const ResultPlaces& places) {
     throw InputError(places.save_map.string(), "the name of a file for the map", "a folder");
   if (!map_folder.empty() && map_folder != places.out && !std::filesystem::is_directory(map_folder, error))
     throw InputError(map_folder.string(), "a folder for the map", "none");
-  nn::make_writable_folder(places.out);
+  if (!places.out.empty()) nn::make_writable_folder(places.out);
   if (!places.save_map.empty()) nn::require_writable_folder(map_folder.empty() ? "." : map_folder);
 }
 
@@ -133,7 +133,7 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
                                                    slam::poses_of_body(*run.body, pair.estimate)}
                             : pair);
   ResultWriter writer;
-  write_dense(writer, out, dense, record, run);
+  write_dense(writer, out, dense, dataset.sensor(), record, run);
   write_frames(writer, out, record.kept(), run.body);
   writer.write([&] { nn::write_file(out / "run.json", to_text(slam_report(run, record))); });
   write_map_files(writer, places, record.slam(), truth, places.save_map);
@@ -183,9 +183,9 @@ void warn_of_pieces(const slam::Recorder& record) {
   for (std::size_t i = 1; i < submaps.size(); ++i) {
     if (submaps[i].frames == 0) continue;  // of a map that was loaded
     log_warning(
-        "frames {} to {}: the way was lost before and no place of the earlier map was seen since; these {} "
-        "frames are right relative to each other, where they are is a guess",
-        submaps[i].first_frame, submaps[i].last_frame, submaps[i].frames);
+        "frames {} to {}: the way was lost before and no place of the earlier map was seen since; {} there, "
+        "right relative to each other, but where they are is a guess",
+        submaps[i].first_frame, submaps[i].last_frame, counted(submaps[i].frames, "located frame"));
   }
 }
 

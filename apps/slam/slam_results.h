@@ -14,7 +14,7 @@ namespace penumbra::apps {
 
 // Where a run's results go.
 struct ResultPlaces {
-  std::filesystem::path out;       // folder
+  std::filesystem::path out;       // folder; empty: none is asked for
   std::filesystem::path save_map;  // file; empty: none is asked for
 };
 

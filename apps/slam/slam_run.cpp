@@ -119,7 +119,7 @@ void run_slam(const SlamOptions& options) {
   run.dataset = dataset.name();
   for (const std::string& note : dataset.notes()) log_warning("{}: {}", options.dataset.folder, note);
   run.warnings = dataset.notes();
-  if (!options.body.empty()) {
+  if (options.given.contains("--body")) {
     run.body = slam::mounting_of(options.body, dataset.mountings(), "--body: " + options.dataset.folder);
     log_info("{}", body_text(*run.body));
   }

@@ -28,7 +28,7 @@ struct SlamOptions {
   std::string layout = "side-by-side";  // of a stream: how two images lie in one
   std::string right_device;             // of two cameras; empty: the one has both images
   bool every_frame = false;             // of a stream: it waits, and no frame is dropped
-  std::string body;                     // frame whose poses are written, too; empty: none
+  std::string body;                     // frame whose poses are written, too, where it is given
   std::string poses;                    // where poses go as they are found; empty: nowhere
   std::optional<double> least_score;
   double least_sharpness = 0.0;

@@ -31,8 +31,8 @@ namespace penumbra::apps {
 
 class LiveView {
  public:
-  // Serves from now on; `frames`: how many there will be. `record` must live longer. Throws Error where the
-  // port is taken (apps/view/local_server.h says what `port` means).
+  // Serves from now on; `frames`: how many there will be, 0 where unknown. `record` must live longer. Throws
+  // Error where the port is taken (apps/view/local_server.h says what `port` means).
   LiveView(std::optional<int> port, const SlamRun& run, int frames, const slam::Recorder& record);
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include "nn/base/counted.h"
+
 namespace penumbra::apps {
 
 namespace {
@@ -107,9 +109,10 @@ void print_recognition(const slam::RecognitionEvaluation& e) {
 }
 
 void print_index(const slam::PlaceIndexEvaluation& e) {
-  fmt::print(
-      "\nplace index by itself: {} queries, {} revisits; {} descriptors, {:.1f} MB, {:.2f} ms a query\n",
-      e.queries, e.revisits, e.descriptors, static_cast<double>(e.bytes) / 1048576.0, e.median_query_ms);
+  fmt::print("\nplace index by itself: {}, {}; {}, {:.1f} MB, {:.2f} ms a query\n",
+             counted(e.queries, "query", "queries"), counted(e.revisits, "revisit"),
+             counted(e.descriptors, "descriptor"), static_cast<double>(e.bytes) / 1048576.0,
+             e.median_query_ms);
   if (e.revisits == 0) {
     fmt::print("  no keyframe shows an earlier place: there was nothing to find\n");
     return;

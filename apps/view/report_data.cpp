@@ -7,6 +7,7 @@
 #include <map>
 
 #include "apps/common/run_json.h"
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "slam/evaluation/alignment.h"
@@ -66,7 +67,8 @@ class Rows {
   Rows(const json& frames, std::size_t poses, const std::string& place) {
     for (const char* key : {"index", "timestamp", "ms", "filter"}) {
       if (!frames.contains(key) || !frames[key].is_array() || frames[key].size() != poses) {
-        throw InputError(place, fmt::format("{} entries of \"{}\", one a pose", poses, key),
+        throw InputError(place,
+                         fmt::format("{} of \"{}\", one a pose", counted(poses, "entry", "entries"), key),
                          "something else");
       }
     }

@@ -209,15 +209,17 @@ nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings
   return json;
 }
 
-std::string plan_doubt(const slam::DenseMap& map, const slam::DenseSettings& settings) {
+std::string plan_doubt(const slam::DenseMap& map, const slam::DenseSettings& settings, slam::Sensor sensor) {
   constexpr double kStrip = 1.5;  // of where the floor begins
-  const double reach = settings.fusion.farthest;
-  const std::string figures =
-      fmt::format("depth counts as far as {:.3g} m with cells of {:g} m", reach, settings.plan.cell);
-  // What a cell twice as large would give a pair.
-  const std::string help =
-      fmt::format("a larger --grid-resolution lets it count farther, as {:g} about {:.3g} m of a pair",
-                  2.0 * settings.plan.cell, std::sqrt(2.0) * reach);
+  const double reach = settings.fusion.farthest, cell = settings.plan.cell;
+  std::string figures = fmt::format("depth counts as far as {:.3g} m", reach);
+  std::string help = "dense.farthest in a file of --settings lets it count farther";
+  if (sensor == slam::Sensor::stereo) {
+    figures += fmt::format(" with cells of {:g} m", cell);
+    // What a cell twice as large would give.
+    help = fmt::format("a larger --grid-resolution lets it count farther, as {:g} about {:.3g} m", 2.0 * cell,
+                       std::sqrt(2.0) * reach);
+  }
   if (!map.plan)
     return fmt::format("no floor was found in the dense map, and there is no plan of it; {}; {}", figures,
                        help);

@@ -35,19 +35,20 @@ struct SlamRun {
 // Keys: dataset, command (to repeat the run), version, unfinished (at a checkpoint), error, warnings,
 // why_lost, body (with --body: frame, body_from_camera: rows of [R t] that take points of the left camera to
 // it; ground_truth is then compared with its poses), stream (frames, dropped, mean_delay_s and
-// longest_delay_s until a frame was taken, ended_by where a signal did), settings, frames, tracked, lost,
-// lost_frames, unreadable_frames, path_m, mean_speed_mps (of the frames that were located), median_depth_m
-// (of the features), keyframes (of this run), loaded_keyframes (of the map that it began with), map_points,
-// uncertain_points (of these, that are left out of map.ply), movable_features, occluded_frames, instances
-// (objects and their states), masks_late_s (from a frame that was segmented to the first that knew of it:
-// median, most), peak_arena_bytes (with segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all threads),
-// processor_ms (the same by thread and stage, see processor_times.h), peak_rss_mb, stages (medians in ms),
-// mismatch_filter (kept, removed), ground_truth (APE, drift; of the located frames) where there is one, loops
-// (pairs of frames, the later first), loop_closures (every correction of the map, with what is known of it),
-// recognised_places (frame, earlier frame, points, and objects where the points alone had not been enough),
-// submaps (pieces of the map that are not tied to each other, see slam/pipeline/slam.h), keyframe_frames,
-// covisibility (frame, earlier frame, points that both keyframes see), dense (see dense_report; where one was
-// made). The thread that calls Slam::process() may ask, also before finish().
+// longest_delay_s until a frame was taken, longest_silence_s from one to the next, ended_by where a signal
+// did, remark of the cameras), settings, frames, tracked, lost, lost_frames, unreadable_frames, path_m,
+// mean_speed_mps (of the frames that were located), median_depth_m (of the features), keyframes (of this
+// run), loaded_keyframes (of the map that it began with), map_points, uncertain_points (of these, that are
+// left out of map.ply), movable_features, occluded_frames, instances (objects and their states), masks_late_s
+// (from a frame that was segmented to the first that knew of it: median, most), peak_arena_bytes (with
+// segmentation), median_ms, p95_ms, cpu_ms_per_frame (of all threads), processor_ms (the same by thread and
+// stage, see processor_times.h), peak_rss_mb, stages (medians in ms), mismatch_filter (kept, removed),
+// ground_truth (APE, drift; of the located frames) where there is one, loops (pairs of frames, the later
+// first), loop_closures (every correction of the map, with what is known of it), recognised_places (frame,
+// earlier frame, points, and objects where the points alone had not been enough), submaps (pieces of the map
+// that are not tied to each other, see slam/pipeline/slam.h), keyframe_frames, covisibility (frame, earlier
+// frame, points that both keyframes see), dense (see dense_report; where one was made). The thread that calls
+// Slam::process() may ask, also before finish().
 nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record);
 
 // Of a dense map: voxels, voxel_m, classes (names, their numbers are their places), views, megabytes, floor
@@ -56,8 +57,9 @@ nlohmann::json slam_report(const SlamRun& run, const slam::Recorder& record);
 // t]: from the map's world, in which trajectories and clouds are, to the plan's).
 nlohmann::json dense_report(const slam::DenseMap& map, const slam::DenseSettings& settings);
 
-// What is doubtful about it: no floor, or a plan of a strip, with how far depth counted. Empty: nothing.
-std::string plan_doubt(const slam::DenseMap& map, const slam::DenseSettings& settings);
+// What is doubtful about it: no floor, or a plan of a strip, with how far depth counted and what lets it
+// count farther. Empty: nothing.
+std::string plan_doubt(const slam::DenseMap& map, const slam::DenseSettings& settings, slam::Sensor sensor);
 
 // The loops in which this run came to a place of its own again: pairs of frames, the later first.
 nlohmann::json revisits_json(const std::vector<slam::ClosedLoop>& loops,

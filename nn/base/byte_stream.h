@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 
 namespace penumbra {
@@ -80,7 +81,7 @@ class ByteReader {
   // Throws InputError unless all of `what` was read.
   void expect_end(std::string_view what) const {
     if (remaining() > 0)
-      throw InputError(here(), fmt::format("the end of {}", what), fmt::format("{} more bytes", remaining()));
+      throw InputError(here(), fmt::format("the end of {}", what), counted(remaining(), "more byte"));
   }
 
   std::size_t remaining() const { return bytes_.size() - position_; }

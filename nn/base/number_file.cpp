@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/text.h"
@@ -79,8 +80,8 @@ std::vector<NumberLine> read_number_file(const std::filesystem::path& path, int 
   std::vector<NumberLine> lines;
   while (std::optional<NumberLine> numbers = reader.next()) {
     if (numbers->values.size() != static_cast<std::size_t>(columns)) {
-      throw InputError(reader.place(), fmt::format("{} ({} numbers)", record, columns),
-                       fmt::format("{} numbers", numbers->values.size()));
+      throw InputError(reader.place(), fmt::format("{} ({})", record, counted(columns, "number")),
+                       counted(numbers->values.size(), "number"));
     }
     lines.push_back(std::move(*numbers));
   }

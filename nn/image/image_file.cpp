@@ -4,6 +4,7 @@
 #include <cctype>
 #include <string>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/text.h"
@@ -123,8 +124,9 @@ ImageInfo image_info(std::string bytes, const std::filesystem::path& path) {
 WordImage read_depth_image(const std::filesystem::path& path, std::string_view expected) {
   const StoredImage image = decode_file(path, ImageColour::stored, /*eight_bits=*/false, expected);
   if (!image.is_wide() || image.channels() != 1) {
-    throw InputError(path.string(), expected,
-                     fmt::format("{} channels of {} bits", image.channels(), image.is_wide() ? 16 : 8));
+    throw InputError(
+        path.string(), expected,
+        fmt::format("{} of {} bits", counted(image.channels(), "channel"), image.is_wide() ? 16 : 8));
   }
   return image.words;
 }

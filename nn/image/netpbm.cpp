@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstdint>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 
@@ -96,7 +97,7 @@ class NetpbmReader {
     for (std::size_t i = position_; i < bytes_.size(); ++i) {
       if (is_space(bytes_[i])) continue;
       throw InputError(fmt::format("{}, byte {}", place_, i), "the end of the image",
-                       fmt::format("{} more bytes", bytes_.size() - i));
+                       counted(bytes_.size() - i, "more byte"));
     }
   }
 

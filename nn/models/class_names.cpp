@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/text.h"
@@ -81,9 +82,9 @@ std::vector<std::string> checked(std::vector<std::string> names, int classes, co
   if (!fits) {
     const int outputs = is_coco ? kCocoClasses : classes - 1;
     throw InputError(place,
-                     has_background
-                         ? fmt::format("{} class names (or {} without the background)", classes, classes - 1)
-                         : fmt::format("{} class names", outputs),
+                     has_background ? fmt::format("{} (or {} without the background)",
+                                                  counted(classes, "class name"), classes - 1)
+                                    : counted(outputs, "class name"),
                      fmt::format("{}", count));
   }
   if (is_coco && count == kCocoClasses) {
@@ -116,8 +117,7 @@ std::vector<std::string> output_names(const StateDict& weights, int outputs,
   NameList list = listed_names(weights, file);
   if (!list.place.empty()) {
     if (static_cast<int>(list.names.size()) == outputs) return std::move(list.names);
-    throw InputError(list.place, fmt::format("{} class names", outputs),
-                     fmt::format("{}", list.names.size()));
+    throw InputError(list.place, counted(outputs, "class name"), fmt::format("{}", list.names.size()));
   }
   std::vector<std::string> names;
   for (int c = 0; c < outputs; ++c) names.push_back(fmt::format("class {}", c));

@@ -10,6 +10,12 @@
 
 namespace penumbra::slam {
 
+namespace {
+
+constexpr double kLeastDisparityOffset = 0.05;  // pixels; a smaller one is taken for none
+
+}  // namespace
+
 FullBundleAdjustment::FullBundleAdjustment(const Map& map, int submap, const FullBundleSettings& settings)
     : settings_(settings) {
   problem_.camera = map.camera();

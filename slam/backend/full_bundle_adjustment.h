@@ -24,9 +24,6 @@
 
 namespace penumbra::slam {
 
-// Pixels; a disparity offset below that is taken for none.
-inline constexpr double kLeastDisparityOffset = 0.05;
-
 struct FullBundleSettings {
   int robust_iterations = 10;  // at most, with the Huber kernel
   int iterations = 10;         // at most, without

@@ -155,7 +155,9 @@ void MapWorker::take_out(const std::vector<MovingFeatures>& moving) {
 void MapWorker::note(const std::vector<KeyframeObjects>& objects) {
   if (objects.empty()) return;
   const std::unique_lock lock(map_.mutex());
-  for (const KeyframeObjects& seen : objects) seen.keyframe->objects = seen.objects;
+  for (const KeyframeObjects& seen : objects) {
+    if (!seen.keyframe->erased) seen.keyframe->objects = seen.objects;
+  }
 }
 
 void MapWorker::collect_erased() {

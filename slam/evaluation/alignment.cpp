@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 
 namespace penumbra::slam {
@@ -96,8 +97,8 @@ Trajectory transformed(const Trajectory& trajectory, const Similarity& alignment
 
 void require_paired(const Trajectory& reference, const Trajectory& estimate, int minimum) {
   if (reference.size() != estimate.size()) {
-    throw InputError("ground truth and estimate", fmt::format("{} poses each", reference.size()),
-                     fmt::format("{} poses in the estimate", estimate.size()));
+    throw InputError("ground truth and estimate", counted(reference.size(), "pose") + " each",
+                     counted(estimate.size(), "pose") + " in the estimate");
   }
   if (reference.size() < static_cast<std::size_t>(minimum)) {
     throw InputError("ground truth and estimate", fmt::format("at least {} paired poses", minimum),

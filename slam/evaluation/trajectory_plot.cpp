@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "slam/evaluation/kitti_metrics.h"
 #include "slam/evaluation/plot_canvas.h"
@@ -169,9 +170,10 @@ PlotCanvas draw_trajectories(const Trajectory& estimate, const Trajectory& groun
   draw_marker(canvas, view.to_picture(path.back()), false);
   draw_marker(canvas, view.to_picture(path.front()), true);
   draw_legend(canvas, view, options.estimate_name, !truth.empty());
-  const std::string subtitle = options.subtitle.empty() ? fmt::format("top view, {} poses, {:.1f} m",
-                                                                      estimate.size(), path_length(estimate))
-                                                        : options.subtitle;
+  const std::string subtitle =
+      options.subtitle.empty()
+          ? fmt::format("top view, {}, {:.1f} m", counted(estimate.size(), "pose"), path_length(estimate))
+          : options.subtitle;
   // A long name gets smaller letters.
   const double room = view.picture.width - kMarginLeft - kMarginRight, kTitle = 22.0;
   const double title_height = kTitle * std::min(1.0, room / std::max(1.0, text_width(options.title, kTitle)));

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <string_view>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/number_file.h"
@@ -142,14 +143,14 @@ class PoseTableReader {
       columns_.reset();
       table_.is_named = false;
     } else if (fields < columns_->end() || (fields > names && !header_is_comment_)) {
-      throw InputError(place(), fmt::format("{} fields, as the header has names", names),
+      throw InputError(place(), counted(names, "field") + ", as the header has names",
                        fmt::format("{}", fields));
     }
   }
 
   void read_named(const std::vector<std::string_view>& fields, PoseLine& pose) {
     if (fields.size() != fields_) {
-      throw InputError(place(), fmt::format("{} fields as in the first line", fields_),
+      throw InputError(place(), counted(fields_, "field") + " as in the first line",
                        fmt::format("{}", fields.size()));
     }
     if (columns_->time) {

@@ -41,13 +41,13 @@ const KittiColumns& kitti_columns(const PoseTable& table) {
   throw InputError(
       table.place(table.lines.front()),
       "a pose as 3 x 4 matrix rows (12 numbers; 16 with the last row, 13 or 17 with the frame's number)",
-      fmt::format("{} numbers", count));
+      counted(count, "number"));
 }
 
 void require_count(const PoseTable& table, const PoseLine& line, std::size_t count, std::string_view record) {
   if (line.values.size() == count) return;
   throw InputError(table.place(line), fmt::format("{} ({} numbers)", record, count),
-                   fmt::format("{} numbers", line.values.size()));
+                   counted(line.values.size(), "number"));
 }
 
 void say(Notes* notes, std::string note) {
@@ -108,8 +108,8 @@ SE3 read_pose(const PoseTable& table, const PoseLine& line, const QuaternionColu
 
 void say_unequal(Notes* notes, const std::string& path, std::size_t unequal, std::size_t count) {
   if (unequal == 0) return;
-  say(notes, fmt::format("{}: {} of {} quaternions are not of length 1; all are divided by their length",
-                         path, unequal, count));
+  say(notes, fmt::format("{}: not of length 1: {} of {}; all are divided by their length", path, unequal,
+                         counted(count, "quaternion")));
 }
 
 constexpr QuaternionColumns kScalarLast{1, 4, 7}, kScalarFirst{1, 5, 4};
@@ -137,7 +137,7 @@ Trajectory read_timed(const PoseTable& table, TimeRule rule, const QuaternionCol
     std::stable_sort(trajectory.begin(), trajectory.end(),
                      [](const TimedPose& a, const TimedPose& b) { return a.timestamp < b.timestamp; });
     say(notes, fmt::format("{}: time goes back in {}; the poses are sorted by time", table.path,
-                           counted(static_cast<std::uint64_t>(backwards), "line")));
+                           counted(backwards, "line")));
   }
   return trajectory;
 }
@@ -241,7 +241,7 @@ TrajectoryFormat detect_trajectory_format(const std::filesystem::path& path) {
       table.place(table.lines.front()),
       "12 numbers (KITTI; 16 with the last row, 13 or 17 with the frame's number), 8 (TUM), 8 or more "
       "between commas (EuRoC) or 7 (TartanAir)",
-      fmt::format("{} numbers", count));
+      counted(count, "number"));
 }
 
 }  // namespace penumbra::slam

@@ -171,6 +171,7 @@ void Map::erase_keyframe(KeyFrame* keyframe) {
   keyframe->points = {};
   keyframe->aligned = {};
   keyframe->movable = {};
+  keyframe->objects = {};
   keyframe->pixels.reset();
   keyframe->patches.reset();
   keyframe->features.reset();

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <future>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/image/grey.h"
 #include "slam/frontend/features/depth_measurement.h"
@@ -16,16 +17,18 @@ void check_image(const ByteImage& image, const StereoCamera& camera, int index, 
       (image.channels() == 1 || image.channels() == 3)) {
     return;
   }
-  throw InputError(fmt::format("frame {}, {} image", index, side),
-                   fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
-                   fmt::format("{}x{} with {} channels", image.width(), image.height(), image.channels()));
+  throw InputError(
+      fmt::format("frame {}, {} image", index, side),
+      fmt::format("{}x{}, 8-bit grey or BGR", camera.width, camera.height),
+      fmt::format("{}x{} with {}", image.width(), image.height(), counted(image.channels(), "channel")));
 }
 
 void check_depth(const FloatImage& depth, const StereoCamera& camera, int index) {
   if (depth.width() == camera.width && depth.height() == camera.height && depth.channels() == 1) return;
-  throw InputError(fmt::format("frame {}, depth", index),
-                   fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
-                   fmt::format("{}x{} with {} channels", depth.width(), depth.height(), depth.channels()));
+  throw InputError(
+      fmt::format("frame {}, depth", index),
+      fmt::format("{}x{}, metres as 32-bit floats", camera.width, camera.height),
+      fmt::format("{}x{} with {}", depth.width(), depth.height(), counted(depth.channels(), "channel")));
 }
 
 // Colour of the image at each keypoint.

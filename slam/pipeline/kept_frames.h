@@ -26,7 +26,7 @@ struct KeptFrame {
   double milliseconds = 0.0;               // that it took
   double covered_share = 0.0;              // of the image, by what moves
   const KeyFrame* reference = nullptr;     // FramePlace, in plain numbers
-  std::array<double, 12> T_c_reference;    // rotation by columns, translation
+  std::array<double, 12> T_c_reference{};  // rotation by columns, translation
   std::uint64_t first_bar = 0;             // of the mismatch filter's histogram, among those of all frames
   double bar_from = 0.0, bar_width = 0.0;  // pixels
   int index = 0;

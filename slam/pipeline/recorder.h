@@ -12,7 +12,6 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <set>
 #include <vector>
 

@@ -165,12 +165,11 @@ std::string RunCheck::why_lost() const {
   const int* most = std::max_element(lost_for_, lost_for_ + kLostReasons);
   const auto reason = static_cast<LostReason>(most - lost_for_);
   const bool is_half = frames_ >= kFramesForShare && 2 * lost_ > frames_;
-  std::string text =
-      fmt::format("{} of {} {} not located ({}){}", lost_,
-                  counted(static_cast<std::uint64_t>(frames_), "frame"), lost_ == 1 ? "was" : "were",
-                  first_lost_ == last_lost_ ? fmt::format("frame {}", first_lost_)
-                                            : fmt::format("frames {} to {}", first_lost_, last_lost_),
-                  is_half ? ", more than half" : "");
+  std::string text = fmt::format(
+      "{} of {} {} not located ({}){}", lost_, counted(frames_, "frame"), lost_ == 1 ? "was" : "were",
+      first_lost_ == last_lost_ ? fmt::format("frame {}", first_lost_)
+                                : fmt::format("frames {} to {}", first_lost_, last_lost_),
+      is_half ? ", more than half" : "");
   text += *most == lost_ ? ": " : fmt::format("; {} of them: ", *most);
   return text + text_of(reason, sensor_);
 }

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <shared_mutex>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/quantile.h"
 #include "nn/base/stopwatch.h"
@@ -56,7 +57,8 @@ std::unique_ptr<Map> starting_map(const StereoCamera& camera, std::unique_ptr<Ma
   }
   if (loaded == nullptr) return std::make_unique<Map>(camera, std::move(scales));
   if (loaded->scales() != scales) {
-    throw InputError("loaded map", fmt::format("features of {} levels, as they are found now", scales.size()),
+    throw InputError("loaded map",
+                     fmt::format("features of {}, as they are found now", counted(scales.size(), "level")),
                      fmt::format("{}, or others", loaded->scales().size()));
   }
   return loaded;

@@ -102,9 +102,14 @@ bool is_rotation(const std::array<double, 9>& rows) {
 
 Eigen::Matrix3d rotation_of(const SaidCamera& said) {
   if (!is_rotation(said.info.R))
-    throw InputError(said.topic, "a rotation R, to rectify raw images by (or --camera FILE)",
+    throw InputError(said.topic, "a rotation R, by which images are rectified (or --camera FILE)",
                      fmt::format("a matrix that is off by {:g}", skewness_of(matrix_of(said.info.R))));
   return matrix_of(said.info.R);
+}
+
+// Of rectified images; some drivers leave R out, too.
+Eigen::Matrix3d rotation_of_rectified(const SaidCamera& said) {
+  return are_zeros(said.info.R) ? Eigen::Matrix3d::Identity() : rotation_of(said);
 }
 
 bool has_nothing_to_rectify(const CameraInfoMessage& i) {
@@ -191,14 +196,14 @@ RecordedCamera stereo_camera_at(const SaidCamera& left, const SaidCamera& right,
   file.left = lens_of(left, names_say_rectified);
   file.right = lens_of(right, names_say_rectified);
   file.T_right_left = T_right_left;
-  if (names_say_rectified) {  // which turned each camera by its R
-    const Eigen::Matrix3d R_right = rotation_of(right);
-    file.T_right_left = {R_right * T_right_left.rotation * rotation_of(left).transpose(),
-                         R_right * T_right_left.translation};
-  }
   file.place = right.topic;
+  if (!names_say_rectified) return make_camera(file);
+  // Each camera was turned by its R.
+  const Eigen::Matrix3d R_left = rotation_of_rectified(left), R_right = rotation_of_rectified(right);
+  file.T_right_left = {R_right * T_right_left.rotation * R_left.transpose(),
+                       R_right * T_right_left.translation};
   RecordedCamera made = make_camera(file);
-  if (names_say_rectified) made.R_rectified_left = made.R_rectified_left * rotation_of(left);
+  made.R_rectified_left = made.R_rectified_left * R_left;
   return made;
 }
 

@@ -15,7 +15,7 @@ std::optional<int> parse_bound(std::string_view bound, std::string_view text) {
   const auto [end, error] = std::from_chars(bound.data(), bound.data() + bound.size(), value);
   if (error != std::errc() || end != bound.data() + bound.size() || bound.front() == '-') {
     throw UsageError(
-        fmt::format("frames '{}': expected A:B with whole numbers, such as 0:100", printable(text)));
+        fmt::format("expected A:B with whole numbers, such as 0:100, found '{}'", printable(text)));
   }
   return value;
 }
@@ -34,13 +34,13 @@ int FrameRange::size(int available, std::string_view place) const {
 FrameRange parse_frame_range(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) {
-    throw UsageError(fmt::format("frames '{}': expected A:B, such as 0:100, 50: or :50", printable(text)));
+    throw UsageError(fmt::format("expected A:B, such as 0:100, 50: or :50, found '{}'", printable(text)));
   }
   FrameRange range;
   range.begin = parse_bound(text.substr(0, colon), text).value_or(0);
   range.end = parse_bound(text.substr(colon + 1), text);
   if (range.end && *range.end <= range.begin) {
-    throw UsageError(fmt::format("frames '{}': expected A:B with A < B", printable(text)));
+    throw UsageError(fmt::format("expected A:B with A < B, found '{}'", printable(text)));
   }
   return range;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/natural_order.h"
 #include "nn/base/text.h"
@@ -71,9 +72,8 @@ std::vector<NamedImage> list_named(const std::filesystem::path& folder, std::vec
   }
   if (twins > 0) {
     notes.push_back(
-        fmt::format("{}: {} images are there in two files of one name, of which one is taken, such as "
-                    "{} and not {}",
-                    folder.string(), twins, printable(taken, 40), printable(left_out, 40)));
+        fmt::format("{}: there in two files of one name, of which one is taken: {}, such as {} and not {}",
+                    folder.string(), counted(twins, "image"), printable(taken, 40), printable(left_out, 40)));
   }
   return images;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/number_file.h"
@@ -108,11 +109,11 @@ std::size_t first_line(const fs::path& path, const char* what, std::size_t lines
                                 first + frames - 1));
     return 0;
   }
-  throw InputError(
-      path.string(),
-      first == 0 ? fmt::format("{} of {} frames", what, frames)
-                 : fmt::format("{} of {} frames, or of frames 0 to {}", what, frames, first + frames - 1),
-      fmt::format("{}", lines));
+  throw InputError(path.string(),
+                   first == 0 ? fmt::format("{} of {}", what, counted(frames, "frame"))
+                              : fmt::format("{} of {}, or of frames 0 to {}", what, counted(frames, "frame"),
+                                            first + frames - 1),
+                   fmt::format("{}", lines));
 }
 
 std::vector<double> read_times(const fs::path& path, std::size_t first, std::size_t frames,

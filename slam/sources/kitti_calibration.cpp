@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/nearest_word.h"
 #include "nn/base/number_file.h"
@@ -66,7 +67,7 @@ ProjectionRow find_projection(const std::map<std::string, Labelled>& lines, cons
   ProjectionRow projection{at->second.place, nn::parse_numbers(at->second.values, at->second.place)};
   if (projection.values.size() != 12) {
     throw InputError(projection.place, "12 numbers (a 3 x 4 projection matrix)",
-                     fmt::format("{} numbers", projection.values.size()));
+                     counted(projection.values.size(), "number"));
   }
   return projection;
 }

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/number_file.h"
 #include "nn/base/text.h"
@@ -65,7 +66,7 @@ SE3 pose_of_packet(const fs::path& path, double scale) {
   nn::LineReader reader(path, "a packet of KITTI's inertial sensor");
   const std::vector<double> v = nn::parse_numbers(reader.next().value_or(""), path.string());
   if (v.size() < 6)
-    throw InputError(path.string(), "lat lon alt roll pitch yaw", fmt::format("{} numbers", v.size()));
+    throw InputError(path.string(), "lat lon alt roll pitch yaw", counted(v.size(), "number"));
   SE3 T;
   T.translation = {scale * kEarthRadius * v[1] * kRadians,
                    scale * kEarthRadius * std::log(std::tan((90.0 + v[0]) * kRadians / 2.0)), v[2]};

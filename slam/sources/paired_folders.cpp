@@ -36,7 +36,7 @@ LinePlace find_lines(const fs::path& file, std::size_t lines, const char* what, 
             [](const ImagePairs& i, std::size_t pair) { return i.pairs[pair].place; }};
   if (lines == images.pairs.size())
     return {"image with a partner", [](const ImagePairs&, std::size_t pair) { return pair; }};
-  std::string expected = fmt::format("{} of {} frames", what, images.first.size());
+  std::string expected = fmt::format("{} of {}", what, counted(images.first.size(), "frame"));
   if (images.alone > 0) expected += fmt::format(" (or of the {} with a partner)", images.pairs.size());
   throw InputError(file.string(), expected, fmt::format("{}", lines));
 }

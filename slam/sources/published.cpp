@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/number_file.h"
 #include "nn/base/text.h"
@@ -164,7 +165,7 @@ PairedFolders four_seasons(const fs::path& path, const DatasetOptions&) {
     throw InputError(lens.string() + ":1", "Pinhole fx fy cx cy 0", fmt::format("'{}'", printable(line, 40)));
   const std::vector<double> K = nn::parse_numbers(line.substr(8), lens.string() + ":1");
   if (K.size() < 4)
-    throw InputError(lens.string() + ":1", "Pinhole fx fy cx cy 0", fmt::format("{} numbers", K.size()));
+    throw InputError(lens.string() + ":1", "Pinhole fx fy cx cy 0", counted(K.size(), "number"));
   std::vector<double> T;
   nn::LineReader rows(stereo, "4Seasons' calibration between the cameras (4 x 4 numbers)");
   while (const std::optional<std::string_view> row = rows.next()) {

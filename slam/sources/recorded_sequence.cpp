@@ -174,11 +174,10 @@ class RecordedSequence final : public StereoDataset {
     const auto gaps = std::count_if(steps.begin(), steps.end(), is_long);
     if (gaps == 0) return;
     const auto longest = std::max_element(steps.begin(), steps.end());
-    r_.notes.push_back(
-        fmt::format("frames are missing in {}: the longest gap, of {:.3g} s, is after frame {}; "
-                    "frames are usually {:.3g} s apart",
-                    counted(static_cast<std::uint64_t>(gaps), "place"), *longest,
-                    frame(static_cast<int>(longest - steps.begin())).index, usual));
+    r_.notes.push_back(fmt::format(
+        "frames are missing in {}: the longest gap, of {:.3g} s, is after frame {}; "
+        "frames are usually {:.3g} s apart",
+        counted(gaps, "place"), *longest, frame(static_cast<int>(longest - steps.begin())).index, usual));
   }
 
   // One pair tells, if it shows enough; the second and third are looked at where it does not.

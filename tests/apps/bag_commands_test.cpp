@@ -240,6 +240,11 @@ TEST(BagCommands, ARecordingWithDepthGivesTheTrajectoryOfItsFolder) {
       run_penumbra(fmt::format("slam {} --body imu --out {}", mcap.string(), (folder / "none").string()));
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_NE(unknown.err.find("base_link, camera"), std::string::npos) << unknown.err;
+  // As of a variable that is not set: who asks for a body's poses must not get the camera's.
+  const ProgramResult nameless =
+      run_penumbra(fmt::format("slam {} --body '' --out {}", mcap.string(), (folder / "none").string()));
+  EXPECT_EQ(nameless.exit_code, 1);
+  EXPECT_NE(nameless.err.find("found ''"), std::string::npos) << nameless.err;
   expect_body_in_export(folder / "run_office", folder / "run.mcap", robot);
 }
 

@@ -138,17 +138,20 @@ TEST(PlanDoubt, HasTheFigures) {
   settings.plan.cell = 0.1;
   settings.fusion.farthest = 6.5;
   slam::DenseMap map{.voxels = slam::VoxelGrid(0.05), .classes = {}, .floor = {}, .plan = {}};
-  const std::string none = apps::plan_doubt(map, settings);
+  const std::string of_depth = apps::plan_doubt(map, settings, slam::Sensor::rgbd);
+  EXPECT_NE(of_depth.find("6.5 m; dense.farthest"), std::string::npos) << of_depth;
+  EXPECT_EQ(of_depth.find("--grid-resolution"), std::string::npos) << of_depth;
+  const std::string none = apps::plan_doubt(map, settings, slam::Sensor::stereo);
   EXPECT_NE(none.find("no floor was found"), std::string::npos) << none;
   EXPECT_NE(none.find("6.5 m with cells of 0.1 m"), std::string::npos) << none;
   EXPECT_NE(none.find("as 0.2 about 9.19 m"), std::string::npos) << none;
   map.floor.emplace();
   map.plan.emplace();
   map.floor_from = 6.2;
-  const std::string strip = apps::plan_doubt(map, settings);
+  const std::string strip = apps::plan_doubt(map, settings, slam::Sensor::stereo);
   EXPECT_NE(strip.find("6.2 m ahead"), std::string::npos) << strip;
   settings.fusion.farthest = 12.5;
-  EXPECT_EQ(apps::plan_doubt(map, settings), "");
+  EXPECT_EQ(apps::plan_doubt(map, settings, slam::Sensor::stereo), "");
 }
 
 TEST_F(DenseRun, RefusesWhatHasNoTruth) {

@@ -30,8 +30,8 @@ TEST_F(EvalCoco, PrintsATableForPeople) {
   const ProgramResult result = eval();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
-  for (const char* part : {"1 images, 2 objects and 0 crowds, 3 detections", "boxes", "masks", "AP50",
-                           "0.8350", "0.4525", "-"}) {
+  for (const char* part :
+       {"1 image, 2 objects and 0 crowds, 3 detections", "boxes", "masks", "AP50", "0.8350", "0.4525", "-"}) {
     EXPECT_CONTAINS(result.out, part);
   }
 }
@@ -68,7 +68,7 @@ TEST_F(EvalCoco, ReportsApByTheHiddenShareOfTheObjects) {
   EXPECT_NEAR(report["occlusion"][0]["bbox"]["AP"].get<double>(), 0.7, 1e-9);  // IoU 0.82: 7 of 10 thresholds
   EXPECT_NEAR(report["occlusion"][0]["segm"]["AP"].get<double>(), 0.7, 1e-9);
   EXPECT_TRUE(report["occlusion"][1]["bbox"]["AP"].is_null());
-  EXPECT_CONTAINS(eval("--occlusion 0,0.3,0.6,0.9").out, "0.6 to 0.9  1 objects");
+  EXPECT_CONTAINS(eval("--occlusion 0,0.3,0.6,0.9").out, "0.6 to 0.9  1 object ");
   EXPECT_FALSE(nlohmann::json::parse(eval("--json").out).contains("occlusion"));
 }
 

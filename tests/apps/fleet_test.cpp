@@ -67,6 +67,11 @@ TEST_F(Fleet, AManifestIsRefusedBeforeAThousandJobsFail) {
       {"a a.bag -\nb a.bag -\na a.bag -\n", {"manifest.txt:3", "a name of its own", "line 1"}},
       {"a a.bag - --frams 3\n", {"manifest.txt:1", "options of penumbra slam", "--frams"}},
       {"a a.bag - --filter sometimes\n", {"--filter"}},
+      {"a a.bag - --frames 100\n", {"manifest.txt:1", "--frames: expected A:B", "found '100'"}},
+      {"a a.bag - --frames 100:20\n", {"--frames", "A < B", "100:20"}},
+      {"a a.bag - --frames 1.5:20\n", {"--frames", "whole numbers", "1.5:20"}},
+      {"a a.bag - --frames ''\n", {"--frames"}},
+      {"a a.bag - --segmentation every-0\n", {"--segmentation: expected 'keyframes'", "found 'every-0'"}},
       {"a a.bag - --settings none.json\n", {"none.json"}},
       {"a a.bag - --masks no/masks\n", {"manifest.txt:1", "--masks names", "no/masks, which is not there"}},
       {"a a.bag - --weights=no.pth\n", {"--weights names", "no.pth"}},
@@ -139,6 +144,12 @@ for ((i = 1; i < $#; ++i)); do [[ ${!i} != "${map:-}" ]] || { j=$((i + 1)); echo
   EXPECT_NE(run("step.sh merge", "log"), 0);
   EXPECT_EQ(why_not_merged(folder / "plan"), "district-2: no memory");
   EXPECT_FALSE(fs::exists(folder / "plan/merged/fleet.map"));
+  // A later plan without districts says nothing of them.
+  plan.district_size = 0;
+  write_fleet_plan(folder / "plan", plan);
+  EXPECT_NE(run("step.sh merge", "log"), 0);
+  EXPECT_FALSE(fs::exists(folder / "plan/merged/district-2"));
+  EXPECT_EQ(why_not_merged(folder / "plan"), "no memory");
 }
 
 TEST_F(Fleet, AMapIsNotMergedWithItselfNorOverwritten) {
@@ -189,7 +200,7 @@ TEST_F(Fleet, EachRecordingIsDoneOrSaysWhyNot) {
             "d\tnot begun\t-\t-\t-\t-\t-\t\n"
             "e\tnot begun\t-\t-\t-\t-\t-\t\n");
   const std::string page = fleet_page(folder, read_fleet(folder));
-  EXPECT_NE(page.find("1 of 5 recordings are done"), std::string::npos);
+  EXPECT_NE(page.find("Done: 1 of 5 recordings"), std::string::npos);
   EXPECT_NE(page.find("&lt;torn&gt;"), std::string::npos);
   EXPECT_EQ(why_not_merged(folder), "not begun");
   write("merged/log.txt", "== Monday\nerror: b.map: another camera\nended with exit code 1\n");

@@ -274,6 +274,11 @@ TEST(SlamCommand, FindsItsWayInASavedMapAndGoesOnWithIt) {
   EXPECT_GT(report("c")["keyframes"], 0);
   EXPECT_GT(report("c")["loaded_keyframes"], 0);
   EXPECT_GT(contents(folder / "longer.map").size(), saved.size());
+  const test::ProgramResult merge = test::run_penumbra(
+      fmt::format("merge {0}/street.map {0}/longer.map -o {0}/nowhere/x.map --out {0}/merged", root));
+  EXPECT_EQ(merge.exit_code, 1);
+  EXPECT_NE(merge.err.find("nowhere: expected a folder for the map"), std::string::npos) << merge.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "merged")) << "refused before anything is merged";
 
   // Another camera's, a torn one, none, nowhere to write.
   const auto refused = [&](const std::string& options, int exit_code, const char* what) {

@@ -95,7 +95,6 @@ class Program {
 struct Sample {
   double at = 0.0, memory = 0.0, delay = 0.0;  // seconds, megabytes, seconds (median)
   double gap = 0.0;                            // seconds, the longest between two poses
-  double gap = 0.0;                            // seconds, the longest between two poses that came
 };
 
 // The slope of the least squares line, a second.

@@ -64,13 +64,16 @@ waiting() {
   done <jobs.tsv
 }
 
+# forget FOLDER: what was merged there, of other recordings.
+forget() { rm -f "$1"/{done,fleet.map,map.ply,keyframes_tum.txt}; }
+
 # merge_into FOLDER MAP...: FOLDER/fleet.map of those maps; not again as long as they are the same.
 merge_into() {
   local into=$1 of
   shift
   of=$(stat -c '%n %s %Y' "$@")
   if [[ -e $into/done && $(<"$into/done") == "$of" ]]; then echo "$into: merged before"; return; fi
-  mkdir -p "$into" && rm -f "$into/done" "$into/fleet.map" || return 1 # of other recordings
+  mkdir -p "$into" && forget "$into" || return 1
   if (($# == 1)); then
     cp "$1" "$into/fleet.map" || return 1
   else
@@ -101,14 +104,20 @@ district() {
 }
 
 merge() {
-  local recordings number
+  local recordings districts=0 number folder
   local -a maps=()
   recordings=$(wc -l <jobs.tsv)
-  if ((district_size == 0 || recordings <= district_size)); then
+  if ((district_size > 0 && recordings > district_size)); then
+    districts=$(((recordings + district_size - 1) / district_size))
+  fi
+  for folder in merged/district-*; do # those of an earlier plan would be reported as this one's
+    [[ ! -e $folder ]] || ((${folder##*-} <= districts)) || rm -rf "$folder"
+  done
+  if ((districts == 0)); then
     mapfile -t maps < <(maps_of 1 "$recordings")
   else
-    for ((number = 1; (number - 1) * district_size < recordings; ++number)); do
-      district "$number" || { rm -f merged/done merged/fleet.map; return 1; } # which would be of other recordings
+    for ((number = 1; number <= districts; ++number)); do
+      district "$number" || { forget merged; return 1; }
       if [[ -e merged/district-$number/fleet.map ]]; then maps+=("merged/district-$number/fleet.map"); fi
     done
   fi

@@ -78,4 +78,4 @@ fi
 merge=$(job merge merge --output="$here/slurm/%j.txt" --requeue --open-mode=append "${merge_options[@]}" \
   ${after:+--dependency=afterany$after})
 report=$(job report report --output="$here/slurm/%j.txt" --open-mode=append --dependency=afterany:"$merge")
-echo "$(wc -w <<<"$waiting") of $recordings recordings, then job $merge merges, then job $report writes index.html"
+echo "recordings: $(wc -w <<<"$waiting") of $recordings, then job $merge merges, then job $report writes index.html"

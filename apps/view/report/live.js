@@ -27,7 +27,8 @@ function take(state) {
 
 function draw_live(state) {
   const {frames, estimate} = run_so_far, last = frames.index.length - 1;
-  element('headline').textContent = state.finished ? 'finished' : `running: ${last + 1} of ${state.total} frames`;
+  const done = state.total > 0 ? `${last + 1} of ${counted(state.total, 'frame')}` : counted(last + 1, 'frame');  // a stream's end is not known
+  element('headline').textContent = state.finished ? 'finished' : `running: ${done}`;
   document.body.dataset.state = state.finished ? 'finished' : 'running';
   if (state.finished) element('now').querySelector('h2').textContent = 'Last frame';
   if (last < 0) return;

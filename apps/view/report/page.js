@@ -4,6 +4,7 @@
 const css = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
 const element = id => document.getElementById(id);
 const fixed = (value, digits) => Number(value).toFixed(digits);
+const counted = (count, one) => count === 1 ? `1 ${one}` : `${count} ${one}s`;
 const problems = [];
 window.addEventListener('error', event => complain(event.message));
 function complain(text) {
@@ -41,8 +42,8 @@ function summary(data) {
   const run = data.run, truth = run.ground_truth;
   const is_brain = run.system === 'brain';
   const map_size = is_brain ? [run.nodes, 'nodes'] : [run.map_points, 'map points'];
-  element('headline').textContent = `${run.frames} frames, ${run.tracked} located, ${run.keyframes} keyframes, ` +
-      map_size.join(' ');
+  element('headline').textContent = `${counted(run.frames, 'frame')}, ${run.tracked} located, ` +
+      `${counted(run.keyframes, 'keyframe')}, ${counted(map_size[0], is_brain ? 'node' : 'map point')}`;
   if (run.error) complain(`The run stopped early: ${run.error}`);
   if (run.unfinished) complain('This is a checkpoint: the run did not come to its end');
   warnings(run);

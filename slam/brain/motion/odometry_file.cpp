@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/number_file.h"
 
@@ -35,7 +36,7 @@ std::vector<OdometrySample> read_odometry(const std::filesystem::path& path) {
     std::replace(text.begin(), text.end(), ',', ' ');
     const std::vector<double> values = nn::parse_numbers(text, lines.place());
     if (values.size() != 3) {
-      throw InputError(lines.place(), kRecord, fmt::format("{} numbers", values.size()));
+      throw InputError(lines.place(), kRecord, counted(values.size(), "number"));
     }
     const double time = values[0] > kNanoseconds ? values[0] * 1e-9 : values[0];
     if (!samples.empty() && !(time > samples.back().time)) {
@@ -98,8 +99,8 @@ OdometryOfFrames odometry_of_frames(const std::vector<OdometrySample>& samples,
         place, longest_gap, kLongestGap));
   }
   if (uncovered > 0) {
-    of.notes.push_back(fmt::format("{}: {} of {} frames are before its first or after its last sample", place,
-                                   uncovered, times.size()));
+    of.notes.push_back(fmt::format("{}: before its first or after its last sample: {} of {}", place,
+                                   uncovered, counted(times.size(), "frame")));
   }
   double fastest = 0.0, speed = 0.0;
   for (const OdometrySample& sample : samples) {

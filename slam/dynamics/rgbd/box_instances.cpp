@@ -1,5 +1,6 @@
 #include "slam/dynamics/rgbd/box_instances.h"
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 
 namespace penumbra::slam {
@@ -18,10 +19,10 @@ void take_whole_box(Instance& instance) {
 void check_depth_size(const ImageToSegment& from) {
   const Size size = from.image.size();
   if (from.depth.empty() || (from.depth.size() == size && from.depth.channels() == 1)) return;
-  throw InputError(
-      fmt::format("frame {}, depth", from.frame),
-      fmt::format("{}x{} as the image, metres", size.width, size.height),
-      fmt::format("{}x{} with {} channels", from.depth.width(), from.depth.height(), from.depth.channels()));
+  throw InputError(fmt::format("frame {}, depth", from.frame),
+                   fmt::format("{}x{} as the image, metres", size.width, size.height),
+                   fmt::format("{}x{} with {}", from.depth.width(), from.depth.height(),
+                               counted(from.depth.channels(), "channel")));
 }
 
 }  // namespace penumbra::slam

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/number_file.h"
 #include "nn/base/text.h"
@@ -50,7 +51,7 @@ class KeyedLines {
   template <std::size_t kNumbers>
   std::array<double, kNumbers> numbers(const std::string& key) const {
     const Value& value = at(key);
-    const std::string expected = fmt::format("{} numbers after '{}:'", kNumbers, key);
+    const std::string expected = fmt::format("{} after '{}:'", counted(kNumbers, "number"), key);
     std::string_view list = value.text;
     if (kNumbers > 1 && list.size() >= 2 && list.front() == '[' && list.back() == ']')
       list = list.substr(1, list.size() - 2);

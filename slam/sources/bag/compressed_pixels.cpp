@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/image/levels.h"
 #include "slam/sources/bag/image_pixels.h"
@@ -17,8 +18,9 @@ WordImage png_levels(std::string_view bytes, const fs::path& place) {
   const nn::StoredImage image =
       nn::decode_image(std::string(bytes), nn::ImageColour::stored, nn::ImageBits::stored, place);
   if (!image.is_wide() || image.channels() != 1) {
-    throw InputError(place.string(), "a 16-bit grey PNG with depth",
-                     fmt::format("{} channels of {} bits", image.channels(), image.is_wide() ? 16 : 8));
+    throw InputError(
+        place.string(), "a 16-bit grey PNG with depth",
+        fmt::format("{} of {} bits", counted(image.channels(), "channel"), image.is_wide() ? 16 : 8));
   }
   return image.words;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 
 namespace penumbra::slam {
@@ -39,7 +40,7 @@ class McapFields {
   std::string_view text() { return take(number<std::uint32_t>()); }
   std::string_view take(std::uint64_t size) {
     if (size > bytes_.size())
-      throw InputError(place_, fmt::format("{} more bytes in a record", size),
+      throw InputError(place_, fmt::format("{} in a record", counted(size, "more byte")),
                        fmt::format("{}", bytes_.size()));
     const std::string_view piece = bytes_.substr(0, size);
     bytes_.remove_prefix(size);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 
 namespace penumbra::slam {
@@ -36,7 +37,7 @@ void MessageReader::align(std::size_t size) {
 
 std::string_view MessageReader::take(std::size_t size) {
   if (size > bytes_.size() - position_) {
-    throw InputError(place_, fmt::format("{} more bytes of the message", size),
+    throw InputError(place_, fmt::format("{} of the message", counted(size, "more byte")),
                      fmt::format("{}", bytes_.size() - position_));
   }
   const std::string_view piece = bytes_.substr(position_, size);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/text.h"
 #include "nn/image/image_container.h"
@@ -101,8 +102,7 @@ void set_size(LensCamera& camera, double width, double height, const std::string
 
 void set_intrinsics(LensCamera& camera, const std::vector<double>& v, const std::string& place) {
   if (v.size() != 4 && v.size() != 9)
-    throw InputError(place, "fx fy cx cy, or a camera matrix of 9 numbers",
-                     fmt::format("{} numbers", v.size()));
+    throw InputError(place, "fx fy cx cy, or a camera matrix of 9 numbers", counted(v.size(), "number"));
   const bool is_matrix = v.size() == 9;
   if (is_matrix && (v[1] != 0.0 || v[3] != 0.0 || v[6] != 0.0 || v[7] != 0.0 || v[8] != 1.0)) {
     throw InputError(place, "fx 0 cx, 0 fy cy, 0 0 1", "other zeros and ones");

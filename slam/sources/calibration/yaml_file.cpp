@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "nn/base/counted.h"
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/number_file.h"
@@ -218,7 +219,7 @@ std::vector<double> YamlFile::numbers(const std::string& key) const {
 std::vector<double> YamlFile::numbers(const std::string& key, std::size_t count) const {
   std::vector<double> values = numbers(key);
   if (values.size() != count) {
-    throw InputError(place(key), fmt::format("{} numbers", count), fmt::format("{}", values.size()));
+    throw InputError(place(key), counted(count, "number"), fmt::format("{}", values.size()));
   }
   return values;
 }

@@ -144,12 +144,9 @@ std::string VideoStream::remark() const {
   }
   for (const Camera& camera : cameras_) {
     const VideoDevice& device = *camera.device;
-    if (device.lost() > 0)
-      add(fmt::format("{} was gone {}", device.path(),
-                      counted(static_cast<std::uint64_t>(device.lost()), "time")));
+    if (device.lost() > 0) add(fmt::format("{} was gone {}", device.path(), counted(device.lost(), "time")));
     if (device.damaged() > 0)
-      add(fmt::format("damaged: {} of {}", counted(static_cast<std::uint64_t>(device.damaged()), "frame"),
-                      device.path()));
+      add(fmt::format("damaged: {} of {}", counted(device.damaged(), "frame"), device.path()));
   }
   return text;
 }

@@ -82,6 +82,13 @@ TEST_P(MapWorkerTest, TakesOutWhatTurnsOutToMove) {
   EXPECT_EQ(keyframe->points[4], nullptr);
   ASSERT_EQ(keyframe->objects.size(), 1U);
   EXPECT_EQ(keyframe->objects[0].number, 7);
+  // What is told of a keyframe that has gone meanwhile is not kept.
+  map.erase_keyframe(keyframe);
+  MapWork late;
+  late.edits.objects.push_back({keyframe, {{7, "car", {1.0, 0.0, 9.0}, {}, true}}});
+  submit(std::move(late));
+  worker.finish();
+  EXPECT_TRUE(keyframe->objects.empty());
 }
 
 // Since a keyframe was located its reference has been moved: it follows.

@@ -105,7 +105,7 @@ TEST_F(TrajectoryIo, QuaternionsOfAnyLengthAreNormalisedAndSaid) {
   const Trajectory read = read_tum_trajectory(file("1 0 0 0 0 0 2 2\n2 0 0 0 0 0 0 1.0001\n"), &notes);
   EXPECT_LT((read[0].T_wc.rotation * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_NE(notes[0].find("1 of 2 quaternions are not of length 1"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[0].find("not of length 1: 1 of 2 quaternions"), std::string::npos) << notes[0];
   expect_error<InputError>([&] { read_tum_trajectory(file("1 0 0 0 1e200 1e200 0 0\n")); }, {"length inf"});
 }
 

@@ -111,8 +111,10 @@ TEST_F(MapOfThree, MergingMovesTheObservations) {
 
 TEST_F(MapOfThree, AnErasedKeyframeKeepsItsPlaceThroughItsStandIn) {
   const SE3 before = current_pose(*keyframes[1]);
+  keyframes[1]->objects.resize(3);
   map.erase_keyframe(keyframes[1]);
   expect_consistent();
+  EXPECT_TRUE(keyframes[1]->objects.empty()) << "nobody asks for them any more";
   EXPECT_EQ(map.keyframes().size(), 2U);
   EXPECT_LT((current_pose(*keyframes[1]) * before.inverse()).log().norm(), 1e-12);
   // It moves with the keyframe that stands in for it.

@@ -112,7 +112,13 @@ TEST_F(BagRecording, WhereTheRightCameraStandsMayBeAFixedFrame) {
   EXPECT_EQ(rectified->camera().cx, dataset->camera().cx);
   for (const auto& [x, y] : {std::pair{0, 0}, {kWidth - 1, 0}, {kWidth / 2, kHeight - 1}})
     EXPECT_EQ(rectified->load(2).left.at(x, y), image.at(x, y));
-  left.D = right.D = {};
+  left.R = right.R = {};  // as drivers leave it that turn nothing
+  messages[0] = camera("/left/camera_info", left);
+  messages[1] = camera("/right/camera_info", right);
+  EXPECT_NEAR(open(messages)->camera().baseline, 0.12, 1e-9);
+  left = right = pinhole(kWidth, kHeight, 60);
+  left.frame = "left_optical";
+  right.frame = "/right_optical";
   messages[0] = camera("/left/camera_info", left);
   messages[1] = camera("/right/camera_info", right);
   messages.back() = frames({{"base", "left_optical"}});  // nothing of the right one

@@ -148,7 +148,7 @@ TEST_F(Tum, BadFilesAreRefused) {
   expect_refused({"rgb.txt:1", "a finite number"});
   SetUp();
   test::write_mat(root() / "depth/0.png", cv::Mat(60, 80, CV_8UC1, cv::Scalar(50)));
-  expect_refused({"depth/0.png", "16-bit grey PNG", "1 channels of 8 bits"});
+  expect_refused({"depth/0.png", "16-bit grey PNG", "1 channel of 8 bits"});
   test::write_mat(root() / "depth/0.png", cv::Mat(61, 80, CV_16UC1, cv::Scalar(50)));
   expect_refused({"depth/0.png", "80 x 60", "80 x 61"});
   SetUp();

@@ -84,7 +84,7 @@ TEST(OdometryOfFrames, SaysWhichFramesItMisses) {
   EXPECT_NEAR(way_of(of.motions[1]), 0.0, 1e-12) << "more than a second before the first sample";
   EXPECT_NEAR(way_of(of.motions[3]), 5.0, 1e-12);
   ASSERT_EQ(of.notes.size(), 1U);
-  EXPECT_NE(of.notes[0].find("frames are before"), std::string::npos);
+  EXPECT_NE(of.notes[0].find("before its first or after its last sample: "), std::string::npos);
 }
 
 TEST(OdometryOfFrames, RefusesAnotherClock) {

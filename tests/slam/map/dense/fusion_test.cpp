@@ -204,14 +204,14 @@ TEST(OccupancyGrid, ReadsPlansOfOthers) {
   EXPECT_EQ(read(lines + "negate: 1\n").cells.at(0, 0), OccupancyGrid::kFree);
   expect_error<InputError>([&] { read(lines); }, {"map.yaml", "negate"});
   expect_error<InputError>([&] { read("image: map.png\nresolution: 0\n"); }, {"a resolution above 0"});
-  expect_error<InputError>([&] { read("image: map.png\nresolution: wide\n"); }, {"1 numbers", "wide"});
+  expect_error<InputError>([&] { read("image: map.png\nresolution: wide\n"); }, {"1 number", "wide"});
   expect_error<InputError>([&] { read("resolution: 1\norigin: [0, 0, 1.5]\n"); }, {"not turned", "1.5 rad"});
   const auto refuses = [&](const std::string& text, std::initializer_list<std::string> parts) {
     expect_error<InputError>([&] { read(text); }, parts);
   };
-  refuses("\nresolution: 0.05abc\n", {"map.yaml:2", "1 numbers", "0.05abc"});
-  refuses("resolution: 0.05 1\n", {"map.yaml:1", "1 numbers", "0.05 1"});
-  refuses("resolution: [0.05]\n", {"map.yaml:1", "1 numbers", "[0.05]"});
+  refuses("\nresolution: 0.05abc\n", {"map.yaml:2", "1 number", "0.05abc"});
+  refuses("resolution: 0.05 1\n", {"map.yaml:1", "1 number", "0.05 1"});
+  refuses("resolution: [0.05]\n", {"map.yaml:1", "1 number", "[0.05]"});
   refuses("resolution: 1e-9\n", {"map.yaml:1", "0.001 to 100", "1e-09"});
   refuses("resolution: 101\n", {"0.001 to 100", "101"});
   refuses("resolution: 1\norigin: [0, 0, 0, 9]\n", {"map.yaml:2", "3 numbers", "[0, 0, 0, 9]"});

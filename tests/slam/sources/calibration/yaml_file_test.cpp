@@ -97,7 +97,7 @@ TEST_F(Yaml, RefusesWhatItDoesNotUnderstandWithItsLine) {
 
 TEST_F(Yaml, SaysWhatIsWrongWithAValue) {
   const YamlFile yaml = read("a: 1 2\nb: word\nc: nan\nd: 0\ne: [1]\n");
-  expect_error<InputError>([&] { yaml.number("a"); }, {"camera.yaml:1 (a)", "1 numbers", "2"});
+  expect_error<InputError>([&] { yaml.number("a"); }, {"camera.yaml:1 (a)", "1 number", "2"});
   expect_error<InputError>([&] { yaml.number("b"); }, {"camera.yaml:2 (b)", "a number", "'word'"});
   expect_error<InputError>([&] { yaml.number("c"); }, {"a finite number", "nan"});
   expect_error<InputError>([&] { yaml.number_above_zero("d"); }, {"above 0"});
