@@ -10,9 +10,9 @@
 // stay in memory: nothing is lost. Memory: a block of 64 kB, and one more for whoever reads. One thread at a
 // time, readers included.
 //
-// A copy is what there was when it was made: it shares the file, of which it knows the part that never changes
-// again, so that another thread may read it while the first goes on. What is appended to a copy stays in
-// memory.
+// A copy is what there was when it was made: it shares the file, of which it knows the part that never
+// changes again, so that another thread may read it while the first goes on. What is appended to a copy stays
+// in memory.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// A trajectory that is written pose by pose, in KITTI's or TUM's format (slam/geometry/trajectory_io.h): 64 kB
-// of memory, however long it is. The file is there whole or not at all, from commit() on.
+// A trajectory that is written pose by pose, in KITTI's or TUM's format (slam/geometry/trajectory_io.h): 64
+// kB of memory, however long it is. The file is there whole or not at all, from commit() on.
 #pragma once
 
 #include <filesystem>

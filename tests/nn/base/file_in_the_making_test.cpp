@@ -86,7 +86,7 @@ TEST_F(FileInTheMakingTest, TextComesPieceByPiece) {
     EXPECT_FALSE(fs::exists(folder / "text"));
     if (committed) text.commit();
   }
-  EXPECT_EQ(test::read_file(folder / "text"), expected);
+  EXPECT_EQ(read_file(folder / "text", "the text"), expected);
   EXPECT_EQ(files(), 1U);
 }
 

@@ -71,7 +71,7 @@ TEST(Spool, HoldsAllWhereNoFileCanBe) {
   expect_rows(rows, 10000);
 }
 
-// A copy is what there was, also while the first one goes on and when it is gone; neither sees the other's rows.
+// Also while the first one goes on and when it is gone; neither sees the other's rows.
 TEST(Spool, ACopyHoldsWhatThereWas) {
   const test::TemporaryDirectory folder;
   for (const std::uint64_t size : {0, 7, 1639, 9001}) {
