@@ -178,7 +178,8 @@ TEST_F(SegmentSetTest, WritesResultsThatCanBeEvaluated) {
   const ProgramResult result = segment_set();
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("2 images, 200 instances"), std::string::npos) << result.out;
-  EXPECT_NE(result.err.find("instances of classes that"), std::string::npos) << result.err;  // the odd classes
+  EXPECT_NE(result.err.find("instances of classes that"), std::string::npos)
+      << result.err;  // the odd classes
   const std::filesystem::path results = std::filesystem::path(out()) / "results.json";
   std::ifstream file(results);
   std::set<int> images;
