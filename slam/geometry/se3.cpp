@@ -35,6 +35,13 @@ Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi) {
          (1.0 - std::cos(angle)) / (angle * angle) * K * K;
 }
 
+Eigen::Matrix3d so3_from_roll_pitch_yaw(double roll, double pitch, double yaw) {
+  return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
   // Through the quaternion: well conditioned at every angle, unlike acos((trace - 1) / 2).
   Eigen::Quaterniond q(rotation);
@@ -87,5 +94,10 @@ Matrix6d left_jacobian_inverse(const Vector6d& xi) {
 }
 
 void SE3::normalize() { rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix(); }
+
+SE3 proper_inverse(SE3 T) {
+  T.normalize();
+  return T.inverse();
+}
 
 }  // namespace penumbra::slam

@@ -25,6 +25,9 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi);
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation);
 
+// Rz(yaw) Ry(pitch) Rx(roll), as inertial sensors give rotations; radians.
+Eigen::Matrix3d so3_from_roll_pitch_yaw(double roll, double pitch, double yaw);
+
 struct SE3 {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // metres
@@ -44,6 +47,9 @@ struct SE3 {
   void normalize();
   bool is_finite() const { return rotation.allFinite() && translation.allFinite(); }
 };
+
+// The inverse, its rotation a proper one however long the chain of products was that T came from.
+SE3 proper_inverse(SE3 T);
 
 // Where a camera is: C with T_cw C = 0, in the world.
 inline Eigen::Vector3d camera_centre(const SE3& T_cw) { return T_cw.inverse().translation; }

@@ -59,9 +59,7 @@ KeptFrames::Poses KeptFrames::poses() const {
 SE3 KeptFrames::Poses::of(const KeptFrame& frame) const {
   const FramePlace place = frame.place();
   if (place.reference == nullptr) return {};
-  SE3 T_cw = place.T_c_reference * T_reference_w_.at(place.reference);
-  T_cw.normalize();
-  return T_cw.inverse();
+  return proper_inverse(place.T_c_reference * T_reference_w_.at(place.reference));
 }
 
 Trajectory KeptFrames::trajectory() const {

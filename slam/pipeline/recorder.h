@@ -6,8 +6,7 @@
 //   for each frame:  record.add(slam.process(images));
 //   record.finish();                                     Slam::finish(), and what it still found
 //
-// A frame's place is kept relative to a keyframe, so that corrections of the map since then move it, too.
-// The thread that calls Slam::process() uses it.
+// What it keeps of each frame: slam/pipeline/kept_frames.h. The thread that calls Slam::process() uses it.
 #pragma once
 
 #include <filesystem>

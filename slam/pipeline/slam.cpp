@@ -96,11 +96,7 @@ Slam::Slam(const StereoCamera& camera, Sensor sensor, const SlamSettings& settin
   }
 }
 
-SE3 FramePlace::T_wc() const {
-  SE3 T = T_cw();
-  T.normalize();
-  return T.inverse();
-}
+SE3 FramePlace::T_wc() const { return proper_inverse(T_cw()); }
 
 void Slam::keep_pace(double timestamp) {
   if (settings_.semantics.keeps_pace) segmentation_.keep_pace(timestamp - segmented_time_);

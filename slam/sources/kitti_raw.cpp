@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -61,26 +60,20 @@ std::string camera_label(const char* what, int camera) { return fmt::format("{}_
 constexpr double kRadians = std::numbers::pi / 180.0;
 constexpr double kEarthRadius = 6378137.0;  // metres
 
-// T_w_imu of one packet: lat lon alt roll pitch yaw, and what else it measures.
-SE3 pose_of_packet(const fs::path& path, double scale) {
+// lat lon alt roll pitch yaw, and what else the sensor measures.
+std::vector<double> read_packet(const fs::path& path) {
   nn::LineReader reader(path, "a packet of KITTI's inertial sensor");
-  const std::vector<double> v = nn::parse_numbers(reader.next().value_or(""), path.string());
+  std::vector<double> v = nn::parse_numbers(reader.next().value_or(""), path.string());
   if (v.size() < 6)
     throw InputError(path.string(), "lat lon alt roll pitch yaw", counted(v.size(), "number"));
-  SE3 T;
-  T.translation = {scale * kEarthRadius * v[1] * kRadians,
-                   scale * kEarthRadius * std::log(std::tan((90.0 + v[0]) * kRadians / 2.0)), v[2]};
-  T.rotation =
-      (Eigen::AngleAxisd(v[5], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(v[4], Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(v[3], Eigen::Vector3d::UnitX()))
-          .toRotationMatrix();
-  return T;
+  return v;
 }
 
-double latitude_of(const fs::path& path) {
-  nn::LineReader reader(path, "a packet of KITTI's inertial sensor");
-  const std::vector<double> v = nn::parse_numbers(reader.next().value_or(""), path.string());
-  return v.empty() ? 0.0 : v.front();
+// T_w_imu.
+SE3 pose_of_packet(const std::vector<double>& v, double scale) {
+  return {so3_from_roll_pitch_yaw(v[3], v[4], v[5]),
+          {scale * kEarthRadius * v[1] * kRadians,
+           scale * kEarthRadius * std::log(std::tan((90.0 + v[0]) * kRadians / 2.0)), v[2]}};
 }
 
 }  // namespace
@@ -150,11 +143,13 @@ Trajectory read_oxts_poses(const fs::path& drive, const SE3& T_imu_camera) {
   Trajectory poses;
   const std::vector<fs::path> packets = list_folder(drive / "oxts" / "data");
   if (packets.empty()) return poses;
-  const double scale = std::cos(latitude_of(packets.front()) * kRadians);
-  const SE3 T_first_w = (pose_of_packet(packets.front(), scale) * T_imu_camera).inverse();
+  const std::vector<double> first = read_packet(packets.front());
+  const double scale = std::cos(first[0] * kRadians);
+  const SE3 T_first_w = (pose_of_packet(first, scale) * T_imu_camera).inverse();
   for (const fs::path& packet : packets) {
     const std::optional<double> number = number_in_name(packet.stem().string());
-    if (number) poses.push_back({*number, T_first_w * pose_of_packet(packet, scale) * T_imu_camera});
+    if (number)
+      poses.push_back({*number, T_first_w * pose_of_packet(read_packet(packet), scale) * T_imu_camera});
   }
   return poses;
 }

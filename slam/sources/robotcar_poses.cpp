@@ -71,13 +71,7 @@ class Columns {
 }  // namespace
 
 SE3 robotcar_motion(const double* v) {
-  SE3 T;
-  T.translation = {v[0], v[1], v[2]};
-  T.rotation =
-      (Eigen::AngleAxisd(v[5], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(v[4], Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(v[3], Eigen::Vector3d::UnitX()))
-          .toRotationMatrix();
-  return T;
+  return {so3_from_roll_pitch_yaw(v[3], v[4], v[5]), {v[0], v[1], v[2]}};
 }
 
 Trajectory read_robotcar_inertial(const fs::path& path) {

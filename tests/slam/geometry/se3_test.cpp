@@ -79,5 +79,33 @@ TEST(SE3, TheInverseLeftJacobianIsTheDerivativeOfTheLogarithm) {
   }
 }
 
+// Yaw turns the nose to the left, pitch then lowers it, roll then lowers the right side: of x ahead, y left,
+// z up.
+TEST(SE3, RollPitchAndYawTurnOneAfterTheOther) {
+  const double quarter = std::acos(0.0);
+  const auto nose = [&](double roll, double pitch, double yaw) {
+    return Eigen::Vector3d(so3_from_roll_pitch_yaw(roll, pitch, yaw) * Eigen::Vector3d::UnitX());
+  };
+  EXPECT_LT((nose(0.0, 0.0, quarter) - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_LT((nose(0.3, quarter, 0.7) + Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_LT((so3_from_roll_pitch_yaw(quarter, 0.0, 0.0) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ())
+                .norm(),
+            1e-12);
+  EXPECT_LT((so3_from_roll_pitch_yaw(0.1, -0.2, 0.3) -
+             so3_exp({0.0, 0.0, 0.3}) * so3_exp({0.0, -0.2, 0.0}) * so3_exp({0.1, 0.0, 0.0}))
+                .norm(),
+            1e-12);
+}
+
+TEST(SE3, ProperInverseOfADriftedRotationIsAMotion) {
+  constexpr double kDrift = 1e-7;
+  const SE3 T{so3_exp({0.4, -0.2, 0.9}), {1.0, 2.0, 3.0}};
+  const SE3 T_inverse = proper_inverse({(1.0 + kDrift) * T.rotation, T.translation});
+  EXPECT_LT((T_inverse.rotation.transpose() * T_inverse.rotation - Eigen::Matrix3d::Identity()).norm(),
+            1e-12);
+  EXPECT_LT((T_inverse.rotation * T.rotation - Eigen::Matrix3d::Identity()).norm(), kDrift);
+  EXPECT_LT((T_inverse * T.translation).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace penumbra::slam
