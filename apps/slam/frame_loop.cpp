@@ -19,39 +19,53 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Writes what there is so far every --checkpoint seconds, or less often, so that it costs a twentieth of the
-// time at most. What grows with the frames is written beside the run, on a thread of its own.
+// Writes what there is so far every --checkpoint seconds, or less often, so that writing goes on for a
+// twentieth of the time at most. What needs the map is done between two frames, and what the files need on a
+// thread of its own.
 class Checkpoints {
  public:
   explicit Checkpoints(double seconds) : between_(seconds), next_(Clock::now() + between_) {}
   ~Checkpoints() {
     if (writing_.valid()) writing_.wait();
   }
-  bool is_due() const {
-    return between_.count() > 0.0 && Clock::now() >= next_ &&
-           (!writing_.valid() || writing_.wait_for(Seconds(0.0)) == std::future_status::ready);
+  bool is_due() {
+    if (between_.count() <= 0.0) return false;
+    if (writing_.valid()) {
+      if (writing_.wait_for(Seconds(0.0)) != std::future_status::ready) return false;
+      next_ = writing_.get();
+    }
+    return Clock::now() >= next_;
   }
   void write(const ResultPlaces& places, const slam::Recorder& record, const SlamRun& run) {
-    constexpr double kWorkPerWriting = 20.0;
     const Clock::time_point begin = Clock::now();
-    const auto guarded = [](const auto& work) {
-      try {
-        work();
-      } catch (const std::exception& error) {
-        log_warning("checkpoint: {}", error.what());
-      }
-    };
-    guarded(
-        [&] { writing_ = std::async(std::launch::async, guarded, write_checkpoint(places, record, run)); });
-    const Seconds spent = Clock::now() - begin;
-    next_ = Clock::now() + std::max(between_, kWorkPerWriting * spent);
+    next_ = begin + between_;
+    guarded([&] {
+      writing_ = std::async(std::launch::async,
+                            [begin, between = between_, write_all = write_checkpoint(places, record, run)] {
+                              constexpr double kWorkPerWriting = 20.0;
+                              guarded(write_all);
+                              const Time end = Clock::now();
+                              return end + std::max(between, kWorkPerWriting * Seconds(end - begin));
+                            });
+    });
   }
 
  private:
   using Seconds = std::chrono::duration<double>;
+  using Time = std::chrono::time_point<Clock, Seconds>;
+
+  template <class Work>
+  static void guarded(const Work& work) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      log_warning("checkpoint: {}", error.what());
+    }
+  }
+
   const Seconds between_;
-  std::chrono::time_point<Clock, Seconds> next_;
-  std::future<void> writing_;
+  Time next_;
+  std::future<Time> writing_;  // and when the next is due
 };
 
 }  // namespace

@@ -52,41 +52,65 @@ void write_or_remove(const std::filesystem::path& file, const slam::Trajectory& 
   }
 }
 
-// What the frames were and where: as it is read from disk, without more memory for more frames.
-void write_frames(ResultWriter& writer, const std::filesystem::path& out, const slam::KeptFrames& kept,
-                  const std::optional<slam::Mounting>& body) {
-  const slam::KeptFrames::Poses poses = kept.poses();
-  const auto write_poses = [&](const char* name, slam::TrajectoryFormat format, bool lost_too, auto pose_of) {
-    writer.write([&] {
-      slam::TrajectoryFile file(out / name, format);
-      bool is_empty = true;
-      for (const slam::KeptFrame& frame : kept.frames()) {
-        if (!lost_too && !frame.is_located()) continue;
-        file.add({frame.timestamp, pose_of(poses.of(frame))});
-        is_empty = false;
-      }
-      is_empty ? void(std::filesystem::remove(out / name)) : file.commit();
-    });
-  };
-  const auto as_it_is = [](const slam::SE3& T_wc) { return T_wc; };
-  write_poses("trajectory_kitti.txt", slam::TrajectoryFormat::kitti, true, as_it_is);
-  write_poses("trajectory_tum.txt", slam::TrajectoryFormat::tum, false, as_it_is);
-  if (body) {
-    write_poses("body_tum.txt", slam::TrajectoryFormat::tum, false,
-                [&](const slam::SE3& T_wc) { return slam::pose_of_body(*body, T_wc); });
-  } else {
-    writer.write([&] { std::filesystem::remove(out / "body_tum.txt"); });
+// Of the frames, as they are read from disk, without more memory for more of them.
+void write_poses(const std::filesystem::path& file, slam::TrajectoryFormat format,
+                 const slam::KeptFrames& kept, const slam::KeptFrames::Poses& poses,
+                 const slam::Mounting* body = nullptr) {
+  const bool lost_too = format == slam::TrajectoryFormat::kitti;
+  slam::TrajectoryFile made(file, format);
+  bool is_empty = true;
+  for (const slam::KeptFrame& frame : kept.frames()) {
+    if (!lost_too && !frame.is_located()) continue;
+    const slam::SE3 T_wc = poses.of(frame);
+    made.add({frame.timestamp, body != nullptr ? slam::pose_of_body(*body, T_wc) : T_wc});
+    is_empty = false;
   }
-  writer.write([&] { write_frames_report(out / "frames.json", kept); });
+  is_empty ? void(std::filesystem::remove(file)) : made.commit();
 }
 
-// What grows with the map alone. What a run has not is not left there from an earlier run either.
-void write_map_files(ResultWriter& writer, const ResultPlaces& places, const slam::Slam& slam,
-                     const slam::Trajectory& truth, const std::filesystem::path& map_file) {
-  writer.write([&] { write_or_remove(places.out / "keyframes_tum.txt", slam.keyframe_trajectory()); });
-  writer.write([&] { write_or_remove(places.out / "ground_truth_tum.txt", truth); });
-  if (!map_file.empty()) writer.write([&] { slam::write_map(map_file, slam.map()); });
-  writer.write([&] { slam::write_ply(places.out / "map.ply", slam::point_cloud_of(slam.map())); });
+// What is written of a run, taken from it so that another thread may write it. Only where `map` is to be
+// written, too, must nobody change that meanwhile.
+struct RunData {
+  RunData(const slam::Recorder& record, const SlamRun& run, const std::filesystem::path& folder)
+      : out(folder),
+        kept(record.kept()),
+        poses(kept.poses()),
+        body(run.body),
+        report(to_text(slam_report(run, record))),
+        keyframes(record.slam().keyframe_trajectory()),
+        cloud(slam::point_cloud_of(record.slam().map())) {}
+
+  std::filesystem::path out;
+  slam::KeptFrames kept;
+  slam::KeptFrames::Poses poses;
+  std::optional<slam::Mounting> body;
+  std::string report;  // run.json
+  slam::Trajectory keyframes;
+  slam::PointCloud cloud;
+  slam::Trajectory truth;  // of the located frames
+  const slam::Map* map = nullptr;
+  std::filesystem::path map_file;
+};
+
+// All that a run has found. What it has not is not left there from an earlier run either.
+void write_data(ResultWriter& writer, const RunData& run) {
+  using Format = slam::TrajectoryFormat;
+  const std::filesystem::path& out = run.out;
+  writer.write([&] { write_poses(out / "trajectory_kitti.txt", Format::kitti, run.kept, run.poses); });
+  writer.write([&] { write_poses(out / "trajectory_tum.txt", Format::tum, run.kept, run.poses); });
+  writer.write([&] { write_or_remove(out / "keyframes_tum.txt", run.keyframes); });
+  writer.write([&] { write_or_remove(out / "ground_truth_tum.txt", run.truth); });
+  writer.write([&] {
+    if (run.body) {
+      write_poses(out / "body_tum.txt", Format::tum, run.kept, run.poses, &*run.body);
+    } else {
+      std::filesystem::remove(out / "body_tum.txt");
+    }
+  });
+  writer.write([&] { nn::write_file(out / "run.json", run.report); });
+  writer.write([&] { write_frames_report(out / "frames.json", run.kept); });
+  if (run.map != nullptr) writer.write([&] { slam::write_map(run.map_file, *run.map); });
+  writer.write([&] { slam::write_ply(out / "map.ply", run.cloud); });
 }
 
 // The dense map and what run.json says of it. What this run does not have is not left there from an earlier
@@ -134,9 +158,13 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
                             : pair);
   ResultWriter writer;
   write_dense(writer, out, dense, dataset.sensor(), record, run);
-  write_frames(writer, out, record.kept(), run.body);
-  writer.write([&] { nn::write_file(out / "run.json", to_text(slam_report(run, record))); });
-  write_map_files(writer, places, record.slam(), truth, places.save_map);
+  RunData data(record, run, out);
+  data.truth = truth;
+  if (!places.save_map.empty()) {
+    data.map = &record.slam().map();
+    data.map_file = places.save_map;
+  }
+  write_data(writer, data);
   if (estimate.empty()) {
     writer.draw([&] { std::filesystem::remove(out / "trajectory.svg"); });
   } else {
@@ -158,15 +186,13 @@ void write_results(const ResultPlaces& places, const slam::StereoDataset& datase
 std::function<void()> write_checkpoint(const ResultPlaces& places, const slam::Recorder& record,
                                        const SlamRun& run) {
   ResultWriter writer;
-  write_map_files(writer, places, record.slam(), {},
-                  places.save_map.empty() ? places.save_map : checkpoint_of(places.save_map));
-  // Pictures of an earlier run would not show what is written now.
-  writer.draw([&] { std::filesystem::remove(places.out / "trajectory.svg"); });
-  writer.draw([&] { clear_keyframe_gallery(places.out / "gallery"); });
-  return [writer, out = places.out, kept = record.kept(), body = run.body,
-          report = to_text(slam_report(run, record))]() mutable {
-    write_frames(writer, out, kept, body);
-    writer.write([&] { nn::write_file(out / "run.json", report); });
+  if (!places.save_map.empty())
+    writer.write([&] { slam::write_map(checkpoint_of(places.save_map), record.slam().map()); });
+  return [writer, data = RunData(record, run, places.out)]() mutable {
+    write_data(writer, data);
+    // Pictures of an earlier run would not show what is written now.
+    writer.draw([&] { std::filesystem::remove(data.out / "trajectory.svg"); });
+    writer.draw([&] { clear_keyframe_gallery(data.out / "gallery"); });
     writer.throw_failures();
   };
 }

@@ -28,10 +28,9 @@ void prepare_places(const ResultPlaces& places);
 void write_results(const ResultPlaces& places, const slam::StereoDataset& dataset,
                    const slam::Recorder& record, slam::DenseMapper* dense, SlamRun& run);
 
-// The same, without pictures and ground truth, in the middle of a run, whose worker may go on; the map of
-// --save-map beside its place, with the ending .checkpoint, which write_results removes. Writes what grows
-// with the map; what grows with the frames writes the function that it returns, on any thread, while the run
-// goes on. That throws as write_results does.
+// The same, without pictures and ground truth, in the middle of a run, whose worker may go on. Writes the map
+// of --save-map beside its place, with the ending .checkpoint, which write_results removes; all else writes
+// the function that it returns, on any thread, while the run goes on. That throws as write_results does.
 std::function<void()> write_checkpoint(const ResultPlaces& places, const slam::Recorder& record,
                                        const SlamRun& run);
 
