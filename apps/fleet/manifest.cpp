@@ -12,6 +12,7 @@
 #include "nn/base/error.h"
 #include "nn/base/file.h"
 #include "nn/base/text.h"
+#include "slam/pipeline/settings_file.h"
 
 namespace penumbra::apps {
 
@@ -77,6 +78,15 @@ void require_existing(const std::string& path, const std::string& place, const s
     throw InputError(place, what, printable(path) + ", which is not there");
 }
 
+void require_settings(const std::string& path, const std::string& place) {
+  slam::SlamSettings settings;
+  try {
+    slam::read_settings(path, settings);
+  } catch (const InputError& error) {
+    throw InputError(place, "settings that penumbra slam accepts", error.what());
+  }
+}
+
 // As the command itself would say, without running it.
 void require_options(const std::vector<std::string>& arguments, const std::string& place) {
   for (const char* ours :
@@ -102,6 +112,8 @@ void require_options(const std::vector<std::string>& arguments, const std::strin
     if (!type.starts_with("FILE") && !type.starts_with("DIR")) continue;
     for (const std::string& named : option->results())
       require_existing(named, place, "what " + option->get_name() + " names");
+    if (option->get_name() != "--settings") continue;
+    for (const std::string& named : option->results()) require_settings(named, place);
   }
 }
 

@@ -49,7 +49,11 @@ void write_fleet_plan(const std::filesystem::path& folder, const FleetPlan& plan
     for (const std::string& word : recording.arguments) jobs += in_shell_quotes(word) + ' ';
     jobs.back() = '\n';
   }
-  nn::write_file(folder / "jobs.tsv", jobs);
+  // A map that was merged of other recordings is not this plan's. It stays until the next merge.
+  const std::filesystem::path list = folder / "jobs.tsv";
+  if (!std::filesystem::exists(list) || nn::read_text_file(list, "the plan's jobs") != jobs)
+    std::filesystem::remove(folder / "merged/done");
+  nn::write_file(list, jobs);
   nn::write_file(folder / "settings.sh", settings_of(plan));
   const std::pair<const char*, std::string_view> scripts[] = {{"step.sh", embedded::fleet_step_sh()},
                                                               {"submit.sh", embedded::fleet_submit_sh()},

@@ -43,7 +43,8 @@ struct SE3 {
 
   // Angle of the rotation in radians, 0..pi.
   double angle() const { return so3_log(rotation).norm(); }
-  // The nearest proper rotation replaces `rotation`: call after long chains of products.
+  // A proper rotation replaces `rotation`, which rounding has made e short of one; it is the nearest up to
+  // terms of e^2. Call after long chains of products.
   void normalize();
   bool is_finite() const { return rotation.allFinite() && translation.allFinite(); }
 };

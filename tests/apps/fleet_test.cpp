@@ -38,16 +38,18 @@ class Fleet : public ::testing::Test {
 TEST_F(Fleet, AManifestIsWordsAsAShellHasThem) {
   write("new bags/1.mcap", "");
   write("rig.yaml", "");
+  write("my settings.json", "{}");
   const fs::path before = fs::current_path();
   const std::vector<FleetRecording> found = read(
       "# the night\n\n"
       "monday  'new bags/1.mcap' -   # no calibration\n"
-      "tues.2 new\\ bags/1.mcap rig.yaml --frames 0:30 --settings \"rig.yaml\"\n");
+      "tues.2 new\\ bags/1.mcap rig.yaml --frames 0:30 --settings \"my settings.json\"\n");
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].name, "monday");
   EXPECT_EQ(found[0].arguments, (std::vector<std::string>{"new bags/1.mcap"}));
-  EXPECT_EQ(found[1].arguments, (std::vector<std::string>{"new bags/1.mcap", "--camera", "rig.yaml",
-                                                          "--frames", "0:30", "--settings", "rig.yaml"}));
+  EXPECT_EQ(found[1].arguments,
+            (std::vector<std::string>{"new bags/1.mcap", "--camera", "rig.yaml", "--frames", "0:30",
+                                      "--settings", "my settings.json"}));
   EXPECT_EQ(fs::current_path(), before);
 }
 
@@ -73,6 +75,7 @@ TEST_F(Fleet, AManifestIsRefusedBeforeAThousandJobsFail) {
       {"a a.bag - --frames ''\n", {"--frames"}},
       {"a a.bag - --segmentation every-0\n", {"--segmentation: expected 'keyframes'", "found 'every-0'"}},
       {"a a.bag - --settings none.json\n", {"none.json"}},
+      {"a a.bag - --settings a.bag\n", {"manifest.txt:1", "settings that penumbra slam accepts", "a.bag"}},
       {"a a.bag - --masks no/masks\n", {"manifest.txt:1", "--masks names", "no/masks, which is not there"}},
       {"a a.bag - --weights=no.pth\n", {"--weights names", "no.pth"}},
       {"a a.bag - --weights a.bag --classes no.txt\n", {"--classes names", "no.txt"}},
@@ -94,6 +97,12 @@ TEST_F(Fleet, APlanIsScriptsAndALineARecording) {
   write_fleet_plan(folder / "plan", plan);
   EXPECT_EQ(nn::read_file(folder / "plan/jobs.tsv", "text"),
             "one\t/data/night 1\t'it'\\''s here.bag' --filter off\ntwo\t/data/night 1\tb.bag\n");
+  write("plan/merged/done", "the maps of these");
+  write_fleet_plan(folder / "plan", plan);
+  EXPECT_EQ(why_not_merged(folder / "plan"), "");
+  plan.recordings.pop_back();
+  write_fleet_plan(folder / "plan", plan);
+  EXPECT_EQ(why_not_merged(folder / "plan"), "not begun");
   const std::string settings = nn::read_file(folder / "plan/settings.sh", "text");
   EXPECT_NE(settings.find("all_options=(--account=lab '--comment=two words')"), std::string::npos)
       << settings;

@@ -120,6 +120,8 @@ def main():
     options = parser.parse_args()
 
     content, model = json.loads(options.annotations.read_text()), network(options.weights, CONFIGS[options.config])
+    if not content["images"]:
+        raise SystemExit(f"{options.annotations}: no images")
     if not hasattr(model.backbone.fpn, "attention"):
         raise SystemExit(f"{options.weights}: a network without attention has no gates")
     gates, means, channels, shown = Gates(model), Means(), collections.defaultdict(list), {}

@@ -180,11 +180,13 @@ def largest_and_mean_are_those_of_pytorch():
 
 
 def ranges_are_read():
-    try:
-        numbers("1,5-1")
-    except argparse.ArgumentTypeError:
-        return numbers("1-3,7") == [1, 2, 3, 7]
-    return False
+    for refused in ("1,5-1", "1-", "-3", "a"):
+        try:
+            numbers(refused)
+            return False
+        except (argparse.ArgumentTypeError, ValueError):
+            pass
+    return numbers("1-3,7") == [1, 2, 3, 7]
 
 
 def main():

@@ -70,8 +70,8 @@ def numbers(text):
     """1-3,7 as [1, 2, 3, 7]."""
     found = []
     for part in text.split(","):
-        first, _, last = part.partition("-")
-        span = range(int(first), int(last or first) + 1)
+        first, dash, last = part.partition("-")
+        span = range(int(first), int(last if dash else first) + 1)
         if not span:
             raise argparse.ArgumentTypeError(f"{part} has no number in it; the smaller one stands first")
         found += span
