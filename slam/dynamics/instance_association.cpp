@@ -8,22 +8,36 @@ namespace penumbra::slam {
 
 namespace {
 
+// How the frame showed the track; nullptr where it did not.
+const InstanceView* view_in(const Track& track, int frame) {
+  const auto at = std::ranges::find(track.views, frame, &InstanceView::frame);
+  return at == track.views.end() ? nullptr : &*at;
+}
+
+bool depths_meet(const InstanceView& a, const InstanceView& b) {
+  return a.nearest <= b.farthest && b.nearest <= a.farthest;
+}
+
+// How far apart things at this depth may be that are one.
+double nearest_metres(const InstanceView& view, const InstanceTrackerSettings& settings) {
+  return settings.nearest_metres + 0.05 * view.centre.z();
+}
+
 // How well the track fits; 0: not at all.
 double fit_of(const Instance& instance, const InstanceView& view, const Track& track,
               const FrameHistory& history, const InstanceTrackerSettings& settings) {
   const std::string& name = track.instance.class_name;
   if (!name.empty() && is_movable_class(name) != is_movable_class(instance.class_name)) return 0.0;
   const bool same_class = name.empty() || name == instance.class_name;
-  const double nearest = settings.nearest_metres + 0.05 * view.centre.z();
-  const auto at = std::find_if(track.views.begin(), track.views.end(),
-                               [&](const InstanceView& v) { return v.frame == view.frame; });
+  const double nearest = nearest_metres(view, settings);
   double fit = 0.0;
-  if (at != track.views.end()) {
-    const double shared = overlap(*at, view);
-    const double apart = (at->centre - view.centre).norm();
+  if (const InstanceView* known = view_in(track, view.frame)) {
+    if (!depths_meet(*known, view)) return 0.0;
+    const double shared = overlap(*known, view);
+    const double apart = (known->centre - view.centre).norm();
     if (shared >= settings.least_overlap) {
       fit = 1.0 + shared;
-    } else if (same_class && containment(*at, view) >= settings.least_containment) {
+    } else if (same_class && containment(*known, view) >= settings.least_containment) {
       fit = 0.5 + shared;
     } else if (same_class && apart < nearest) {
       fit = 0.5 / (1.0 + apart);
@@ -55,6 +69,20 @@ int owner_of(const Instance& instance, const InstanceView& view, const std::vect
     best = static_cast<int>(t);
   }
   return best;
+}
+
+const Track* whole_of(const Instance& part, const InstanceView& view, const std::vector<Track>& tracks,
+                      const InstanceTrackerSettings& settings) {
+  if (!is_movable_class(part.class_name)) return nullptr;
+  for (const Track& track : tracks) {
+    const InstanceView* whole = view_in(track, view.frame);
+    if (whole == nullptr || !track.moves() || !track.instance.measured || !depths_meet(*whole, view))
+      continue;
+    if ((whole->centre - view.centre).norm() < nearest_metres(view, settings) ||
+        containment(*whole, view) >= settings.least_containment)
+      return &track;
+  }
+  return nullptr;
 }
 
 }  // namespace penumbra::slam

@@ -205,10 +205,12 @@ void InstanceTracker::add(const FrameRecord& at, const Instance& found, const In
   const int owner = owner_of(found, view, tracks_, taken, history_, settings_);
   const std::size_t place_in_list = owner >= 0 ? static_cast<std::size_t>(owner) : tracks_.size();
   if (owner < 0) {
-    tracks_.emplace_back();
-    tracks_.back().instance = belief_.prior(found.class_name);
-    tracks_.back().instance.id = next_id_++;
-    tracks_.back().instance.first_frame = at.index;
+    TrackedInstance known = belief_.prior(found.class_name);
+    if (const Track* whole = whole_of(found, view, tracks_, settings_))
+      belief_.take_over(known, whole->instance);
+    known.id = next_id_++;
+    known.first_frame = at.index;
+    tracks_.emplace_back().instance = std::move(known);
     taken.push_back(0);
   }
   taken[place_in_list] = 1;

@@ -37,6 +37,12 @@ void MotionBelief::presume_moving(TrackedInstance& instance) const {
   instance.can_move = true;
 }
 
+void MotionBelief::take_over(TrackedInstance& part, const TrackedInstance& whole) const {
+  part.log_odds = whole.log_odds;
+  part.measured = whole.measured;
+  part.velocity = whole.velocity;
+}
+
 void MotionBelief::hear(TrackedInstance& instance, bool moves) const {
   if (moves) {
     presume_moving(instance);
@@ -81,9 +87,11 @@ bool MotionBelief::learn(TrackedInstance& instance, const std::vector<PointOrigi
 
 void MotionBelief::measure(Track& track, const FrameRecord& at, bool learns) const {
   const InstanceView& view = track.views.back();
-  // What was found without a mask is not found again while it is followed: its motion tells that it is there.
-  const bool seen = learns && learn(track.instance, track.origins, view, at);
-  if (seen && track.moves() && track.instance.class_name.empty()) track.carried = 0;
+  if (learns && learn(track.instance, track.origins, view, at) && track.moves()) {
+    // What was found without a mask is not found again while it is followed.
+    if (track.instance.class_name.empty()) track.carried = 0;
+    if (settings_.check_motion) track.missed = 0;
+  }
   for (std::size_t n = 0; n < view.features.size(); ++n) {
     PointOrigin& origin = track.origins[n];
     if (!at.reliable || !origin.known || std::abs(at.time - origin.time) > settings_.longest_look)

@@ -28,6 +28,8 @@ class MotionBelief {
   void rename(TrackedInstance& instance, const std::string& class_name) const;
   // Something that geometry has found moving, without a mask.
   void presume_moving(TrackedInstance& instance) const;
+  // A new object is a part of another: it moves as that does.
+  void take_over(TrackedInstance& part, const TrackedInstance& whole) const;
   // What the finder of an object's mask saw of its motion. Where classes decide and not its points, this is
   // all that is known of a thing whose class cannot move.
   void hear(TrackedInstance& instance, bool moves) const;
@@ -36,7 +38,7 @@ class MotionBelief {
   bool learn(TrackedInstance& instance, const std::vector<PointOrigin>& origins, const InstanceView& view,
              const FrameRecord& at) const;
   // The same of a track's newest view; points that were watched for long enough begin anew. Without `learns`
-  // it only does that.
+  // it only does that. What is seen moving is there, whether or not it was found again.
   void measure(Track& track, const FrameRecord& at, bool learns) const;
 
   // Where the features of a view are in frame `at`.

@@ -11,6 +11,8 @@ InstanceView view_at(int frame, int x, double depth) {
   view.region = {x, 20, 40, 30};
   view.mask = ByteImage::filled(40, 30, 255);
   view.centre = {0.05 * x, 0.0, depth};
+  view.nearest = depth - 1.0;
+  view.farthest = depth + 1.0;
   return view;
 }
 
@@ -72,6 +74,31 @@ TEST_F(InstanceAssociation, KnowsWhatIsOutOfSightByItsPlaceUnlessItMoves) {
   tracks[0].instance.log_odds = 0.0;
   tracks[0].views.back().frame = -3;
   EXPECT_EQ(owner(view_at(4, 110, 10.2)), -1) << "its frame is forgotten";
+}
+
+// Behind a lorry that fills the view, a strip of the street was taken for the next cut of the lorry.
+TEST_F(InstanceAssociation, WhatIsFurtherAwayIsAnotherThing) {
+  for (const char* name : {"car", ""}) {
+    tracks = {track_of(name, view_at(4, 100, 20.0))};
+    EXPECT_EQ(owner(view_at(4, 100, 21.5)), 0);
+    EXPECT_EQ(owner(view_at(4, 100, 2.0)), -1);
+    EXPECT_EQ(owner(view_at(4, 100, 30.0)), -1);
+  }
+}
+
+TEST_F(InstanceAssociation, APartIsWhereItsWholeIs) {
+  tracks = {track_of("truck", view_at(4, 100, 2.0))};
+  const auto whole = [&](const InstanceView& view) { return whole_of(car, view, tracks, settings); };
+  EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "nothing is known of its motion";
+  tracks[0].instance.log_odds = 3.0;
+  EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "it is only taken to move";
+  tracks[0].instance.measured = true;
+  EXPECT_EQ(whole(view_at(4, 120, 2.0)), &tracks[0]) << "a metre beside it";
+  EXPECT_EQ(whole(view_at(4, 150, 2.0)), nullptr);
+  EXPECT_EQ(whole(view_at(4, 120, 5.0)), nullptr) << "behind it";
+  EXPECT_EQ(whole(view_at(3, 120, 2.0)), nullptr) << "not in that frame";
+  car.class_name = "sign";
+  EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "cannot move";
 }
 
 TEST_F(InstanceAssociation, OfNothingIsNothing) { EXPECT_EQ(owner(view_at(4, 100, 10.0)), -1); }

@@ -157,6 +157,35 @@ TEST(InstanceTracker, SeesThatACarMovesAndCarriesItsMask) {
   EXPECT_NEAR(drive.tracker.sightings()[0].centre.z(), 12.0, 0.5);
 }
 
+// A detector that gives the parts of what it has found before: they are not of unknown motion.
+TEST(InstanceTracker, APartOfACarThatMovesMoves) {
+  Drive drive(8.0, masks_only());
+  drive.to(8);
+  drive.tracker.add(6, {drive.street.instance(6, "car")});
+  Instance part = drive.street.instance(7, "truck");
+  part.region.width /= 3;
+  part.mask = ByteImage::filled(part.region.width, part.region.height, 255);
+  drive.tracker.add(7, {part, drive.street.instance(7, "car")});
+  const std::vector<TrackedInstance> found = drive.tracker.instances();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[1].state(), MotionState::moving);
+  EXPECT_GT(found[1].moving_probability(), 0.9);
+  EXPECT_TRUE(found[1].measured);
+}
+
+TEST(InstanceTracker, ACarThatIsSeenMovingIsThereThoughNotFoundAgain) {
+  for (const double speed : {8.0, 0.0}) {
+    Drive drive(speed, masks_only());
+    drive.to(6);
+    drive.tracker.add(5, {drive.street.instance(5, "car")});
+    for (int frame = 6; frame < 12; ++frame) {
+      drive.to(frame + 1);
+      drive.tracker.add(frame, {});
+    }
+    EXPECT_EQ(drive.tracker.sightings().size(), speed > 0.0 ? 1U : 0U) << speed;
+  }
+}
+
 TEST(InstanceTracker, ByClassAloneEverythingThatCanMoveIsLeftOut) {
   Drive drive(0.0, by_class_alone());
   drive.to(6);
