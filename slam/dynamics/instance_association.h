@@ -1,13 +1,13 @@
 // Which of the known objects an instance shows.
 //
 // What can move by its class and what cannot are two things, however their masks overlap: who walks past a
-// chair is not the chair. Nor are what is near and what shows beside it, further away, one thing: their depths
-// must meet. By overlap of their masks in the instance's frame; else, with the same class, by how much of the
-// smaller one the other contains, or by how close their places in space are. What is out of sight is compared
-// with where it stood when it was last seen.
+// chair is not the chair. Nor is what is near one thing with what shows beside it, further away: the depths
+// must meet. By overlap of their masks in the instance's frame; else, with the same class, by how much of
+// the smaller one the other contains, or by how close their places in space are. What is out of sight is
+// compared with where it stood when it was last seen.
 //
-// Of what fills the view a detector gives several masks, each of another part, and cuts it anew from frame to
-// frame. So what shows no known object may be a part of one that moves.
+// Of what fills the view a detector gives several masks, each of another part, and cuts it anew from frame
+// to frame. So what shows no known object may be a part of one that moves.
 #pragma once
 
 #include <vector>

@@ -82,50 +82,60 @@ class ChannelAttention(nn.Module):
 
 
 ORDERS = ("spatial", "channel", "spatial-channel", "channel-spatial")  # one gate alone, the paper's order, the other one
+# The paper's order elsewhere: on the sum of lateral and upper map; and gates that read maps of mean 0 and deviation 1.
+PLACES = ("after-sum", "normed")
 
 
 class MixedAttention(nn.Module):
     """W'_n = CA(SA(W)): spatial first, then channel                                                     (1), (2)
 
-    Other orders are for comparison; with one gate alone it is the network whose other gate is 1."""
+    Other kinds, of ORDERS or PLACES, are for comparison; with one gate alone it is the network whose other gate is 1."""
 
-    def __init__(self, channels=256, reduction=16, gain=1.0, order="spatial-channel"):
+    def __init__(self, channels=256, reduction=16, gain=1.0, kind="spatial-channel"):
         super().__init__()
-        self.order = order.split("-")
+        self.order = (kind if kind in ORDERS else "spatial-channel").split("-")
+        self.norms = nn.ModuleDict({name: nn.BatchNorm2d(channels, affine=False) for name in self.order if kind == "normed"})
         for name in self.order:
             setattr(self, name, SpatialAttention(gain) if name == "spatial" else ChannelAttention(channels, reduction, gain))
 
     def forward(self, f):
         for name in self.order:
-            f = getattr(self, name)(f)
+            attention = getattr(self, name)
+            f = attention.gate(self.norms[name](f)) * f if self.norms else attention(f)
         return f
 
 
 class MixedAttentionPyramid(nn.Module):
-    """torchvision's FeaturePyramidNetwork with mixed attention behind every lateral convolution."""
+    """torchvision's FeaturePyramidNetwork with mixed attention behind every lateral convolution, or after-sum: behind
+    every sum."""
 
-    def __init__(self, pyramid, reduction=16, gain=1.0, order="spatial-channel"):
+    def __init__(self, pyramid, reduction=16, gain=1.0, kind="spatial-channel"):
         super().__init__()
+        self.after_sum = kind == "after-sum"
         self.inner_blocks = pyramid.inner_blocks
         self.layer_blocks = pyramid.layer_blocks
         self.extra_blocks = pyramid.extra_blocks
-        self.attention = nn.ModuleList(MixedAttention(block[0].out_channels, reduction, gain, order)
+        self.attention = nn.ModuleList(MixedAttention(block[0].out_channels, reduction, gain, kind)
                                        for block in pyramid.inner_blocks)
 
     def forward(self, x):
         names, stages = list(x.keys()), list(x.values())
-        lateral = [a(inner(c)) for a, inner, c in zip(self.attention, self.inner_blocks, stages)]
+        lateral = [inner(c) for inner, c in zip(self.inner_blocks, stages)]
+        if not self.after_sum:
+            lateral = [a(w) for a, w in zip(self.attention, lateral)]
         top_down = [lateral[-1]]
         for w in reversed(lateral[:-1]):                                                              # (3)
             top_down.insert(0, w + F.interpolate(top_down[0], size=w.shape[-2:], mode="nearest"))
+        if self.after_sum:
+            top_down = [a(t) for a, t in zip(self.attention, top_down)]
         outputs = [layer(t) for layer, t in zip(self.layer_blocks, top_down)]
         outputs, names = self.extra_blocks(outputs, stages, names)
         return OrderedDict(zip(names, outputs))
 
 
-def add_mixed_attention(model, reduction=16, gain=1.0, order="spatial-channel"):
+def add_mixed_attention(model, reduction=16, gain=1.0, kind="spatial-channel"):
     """With a gain of 2, also makes the gates start at 1: the network computes what it did without attention."""
-    model.backbone.fpn = MixedAttentionPyramid(model.backbone.fpn, reduction, gain, order)
+    model.backbone.fpn = MixedAttentionPyramid(model.backbone.fpn, reduction, gain, kind)
     if gain != 1.0:
         for attention in model.backbone.fpn.attention:
             if "channel" in attention.order:

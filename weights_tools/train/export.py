@@ -1,17 +1,17 @@
 """From a trained PyTorch network to a weights file that Penumbra reads."""
 import safetensors_file
-from model import fold_gains, with_both_gates
+from model import OF_ENGINE, ORDERS, fold_gains, with_both_gates
 
 
 def export(path, model, config, variant, **facts):
     """Writes `path`; `facts` (training data, seed, AP, ...) go into its metadata beside what the engine must know.
-    The engine knows spatial, then channel. One gate alone is that with the other one's weights at zero. Channel, then
-    spatial gets names that the engine refuses; evaluate_in_python.py judges it."""
+    The engine knows spatial, then channel. One gate alone is that with the other one's weights at zero. Other kinds get
+    names that the engine refuses; evaluate_in_python.py judges them."""
     state = model.state_dict()
-    if variant != "baseline":
+    if variant in ORDERS:
         state = fold_gains(with_both_gates(state, config.reduction), 2.0, variant)
-    if variant == "channel-spatial":
-        state = {name.replace(".attention.", ".attention_channel_first."): value for name, value in state.items()}
+    if variant not in OF_ENGINE:
+        state = {name.replace(".attention.", f".attention_{variant}."): value for name, value in state.items()}
     metadata = {
         "network": "mask_rcnn",
         "batch_norm_eps": config.batch_norm_eps,

@@ -1,18 +1,20 @@
 """Weights to start a training from."""
+import re
+
 import torch
 
 import safetensors_file
-from model import fold_gains
+from model import ORDERS, fold_gains
 
 
 def read_state(path):
     """A state dict of train.py's checkpoint.pt, of its weights.safetensors, or torchvision's."""
     if str(path).endswith(".safetensors"):
         state, metadata = safetensors_file.load(path)
-        state = {name.replace(".attention_channel_first.", ".attention."): value for name, value in state.items()}
-        has_attention = any(".attention." in name for name in state)
-        if has_attention:  # back to gates of 2 sigmoid
-            state = fold_gains(state, 0.5, metadata.get("attention", "spatial-channel"))
+        state = {re.sub(r"\.attention_[a-z-]+\.", ".attention.", name): value for name, value in state.items()}
+        kind = metadata.get("attention", "spatial-channel")
+        if kind in ORDERS and any(".attention." in name for name in state):  # back to gates of 2 sigmoid
+            state = fold_gains(state, 0.5, kind)
         return state
     saved = torch.load(path, map_location="cpu")
     return saved["model"] if "optimizer" in saved else saved

@@ -15,9 +15,10 @@ from torchvision.models.resnet import Bottleneck, ResNet
 from torchvision.ops.misc import FrozenBatchNorm2d
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "reference"))
-from mixed_attention import ORDERS, LargestAndMean, add_mixed_attention, fold_gains, with_both_gates  # noqa: E402,F401
+from mixed_attention import ORDERS, PLACES, LargestAndMean, add_mixed_attention, fold_gains, with_both_gates  # noqa: E402,F401
 
-VARIANTS = ("baseline", *ORDERS)
+VARIANTS = ("baseline", *ORDERS, *PLACES)
+OF_ENGINE = ("baseline", "spatial", "channel", "spatial-channel")  # which `penumbra` runs
 
 
 class NarrowResNet(ResNet):
@@ -109,7 +110,7 @@ def build(config, attention, gain=2.0):
         box_head=BoxHead(channels, config.box_width, config.box_layers), box_predictor=FastRCNNPredictor(config.box_width, config.outputs),
         mask_head=MaskRCNNHeads(channels, (channels,) * config.mask_layers, 1),
         mask_predictor=mask_predictor)
-    order = {True: "spatial-channel", False: "baseline"}.get(attention, attention)
-    if order != "baseline":
-        add_mixed_attention(model, config.reduction, gain, order)
+    kind = {True: "spatial-channel", False: "baseline"}.get(attention, attention)
+    if kind != "baseline":
+        add_mixed_attention(model, config.reduction, gain, kind)
     return model

@@ -34,7 +34,7 @@ from config import CONFIGS
 from detection_losses import DetectionLosses
 from export import export
 from initial_weights import load_initial
-from model import VARIANTS, SemanticHead, build
+from model import OF_ENGINE, VARIANTS, SemanticHead, build
 from packed_data import PackedData
 
 
@@ -189,7 +189,7 @@ def runs(options):
         for variant in variants:
             one = copy.copy(options)
             one.seed, one.variant = seed, variant
-            one.in_python = "channel-spatial" in variants  # the engine has no such network: then one judge for all
+            one.in_python = not set(variants) <= set(OF_ENGINE)  # what the engine refuses: then one judge for all
             if options.variants or options.seeds:
                 one.out = options.out / f"{variant}_{seed}"
             yield one
