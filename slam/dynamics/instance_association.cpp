@@ -8,6 +8,8 @@ namespace penumbra::slam {
 
 namespace {
 
+bool is_known_to_move(const Track& track) { return track.moves() && track.instance.measured; }
+
 // How the frame showed the track; nullptr where it did not.
 const InstanceView* view_in(const Track& track, int frame) {
   const auto at = std::ranges::find(track.views, frame, &InstanceView::frame);
@@ -76,13 +78,20 @@ const Track* whole_of(const Instance& part, const InstanceView& view, const std:
   if (!is_movable_class(part.class_name)) return nullptr;
   for (const Track& track : tracks) {
     const InstanceView* whole = view_in(track, view.frame);
-    if (whole == nullptr || !track.moves() || !track.instance.measured || !depths_meet(*whole, view))
-      continue;
+    if (whole == nullptr || !is_known_to_move(track) || !depths_meet(*whole, view)) continue;
     if ((whole->centre - view.centre).norm() < nearest_metres(view, settings) ||
         containment(*whole, view) >= settings.least_containment)
       return &track;
   }
   return nullptr;
+}
+
+bool shows_mover(const Instance& instance, const InstanceView& view, const std::vector<Track>& tracks,
+                 const std::vector<char>& taken, const FrameHistory& history,
+                 const InstanceTrackerSettings& settings) {
+  const int owner = owner_of(instance, view, tracks, taken, history, settings);
+  return owner >= 0 ? is_known_to_move(tracks[static_cast<std::size_t>(owner)])
+                    : whole_of(instance, view, tracks, settings) != nullptr;
 }
 
 }  // namespace penumbra::slam

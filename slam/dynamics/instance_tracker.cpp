@@ -234,13 +234,15 @@ void InstanceTracker::add(int frame, const std::vector<Instance>& instances) {
   std::vector<char> taken(tracks_.size(), 0);
   std::vector<const Instance*> order;
   for (const Instance& found : instances) {
-    if (found.score >= settings_.least_score) order.push_back(&found);
+    if (found.score >= settings_.known_score_share * settings_.least_score) order.push_back(&found);
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const Instance* a, const Instance* b) { return a->score > b->score; });
   for (const Instance* found : order) {
     const std::optional<InstanceView> view = make_view(camera_, frame, *found, at->view(), settings_.view);
-    if (view) add(*at, *found, *view, false, taken);
+    if (view && (found->score >= settings_.least_score ||
+                 shows_mover(*found, *view, tracks_, taken, history_, settings_)))
+      add(*at, *found, *view, false, taken);
   }
   for (std::size_t t = 0; t < taken.size(); ++t) {
     Track& track = tracks_[t];

@@ -29,6 +29,7 @@ void add(FieldList f, InstanceTrackerSettings& s) {
   companions.number("max_distance", s.companions.max_distance, "bits", 0.0, 256.0);
   companions.number("margin", s.companions.margin, "bits", 0.0, 256.0);
   f.share("least_score", s.least_score);
+  f.share("known_score_share", s.known_score_share);
   f.flag("check_motion", s.check_motion);
   f.count("history", s.history, "frames", 1.0);
   f.count("frames_back", s.frames_back, "frames");

@@ -101,6 +101,21 @@ TEST_F(InstanceAssociation, APartIsWhereItsWholeIs) {
   EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "cannot move";
 }
 
+TEST_F(InstanceAssociation, ShowsAMoverAsItselfOrAsAPart) {
+  tracks = {track_of("truck", view_at(4, 100, 2.0))};
+  const auto shows = [&](const InstanceView& view) {
+    return shows_mover(car, view, tracks, std::vector<char>(tracks.size(), 0), history, settings);
+  };
+  EXPECT_FALSE(shows(view_at(4, 102, 2.0)));
+  tracks[0].instance.log_odds = 3.0;
+  tracks[0].instance.measured = true;
+  EXPECT_TRUE(shows(view_at(4, 102, 2.0))) << "itself";
+  EXPECT_TRUE(shows(view_at(4, 125, 2.0))) << "a part";
+  EXPECT_FALSE(shows(view_at(4, 102, 20.0)));
+  tracks.push_back(track_of("car", view_at(4, 126, 2.0)));
+  EXPECT_FALSE(shows(view_at(4, 125, 2.0))) << "a car that nothing is known of";
+}
+
 TEST_F(InstanceAssociation, OfNothingIsNothing) { EXPECT_EQ(owner(view_at(4, 100, 10.0)), -1); }
 
 }  // namespace

@@ -173,6 +173,21 @@ TEST(InstanceTracker, APartOfACarThatMovesMoves) {
   EXPECT_TRUE(found[1].measured);
 }
 
+TEST(InstanceTracker, LessCertainDetectionsShowOnlyWhatIsKnownToMove) {
+  for (const double speed : {8.0, 0.0}) {
+    Drive drive(speed, masks_only());
+    Instance weak = drive.street.instance(6, "car");
+    weak.score = 0.35F;
+    drive.to(7);
+    drive.tracker.add(6, {weak});
+    EXPECT_TRUE(drive.tracker.instances().empty()) << speed;
+    drive.tracker.add(5, {drive.street.instance(5, "car")});
+    drive.tracker.add(6, {weak});
+    ASSERT_EQ(drive.tracker.instances().size(), 1U) << speed;
+    EXPECT_EQ(drive.tracker.instances()[0].detections, speed > 0.0 ? 2 : 1);
+  }
+}
+
 TEST(InstanceTracker, ACarThatIsSeenMovingIsThereThoughNotFoundAgain) {
   for (const double speed : {8.0, 0.0}) {
     Drive drive(speed, masks_only());
