@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "apps/common/command_line.h"
 #include "apps/view/embedded_files.h"
@@ -18,6 +20,12 @@ std::size_t district_size_of(std::size_t recordings) {
   constexpr std::size_t kAllAtOnce = 40;
   if (recordings <= kAllAtOnce) return 0;
   return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(recordings))));
+}
+
+// "" where there is no such file.
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string settings_of(const FleetPlan& plan) {
@@ -49,10 +57,12 @@ void write_fleet_plan(const std::filesystem::path& folder, const FleetPlan& plan
     for (const std::string& word : recording.arguments) jobs += in_shell_quotes(word) + ' ';
     jobs.back() = '\n';
   }
-  // A map that was merged of other recordings is not this plan's. It stays until the next merge.
+  // A map that was merged of other recordings is not this plan's: it is kept, but not reported.
   const std::filesystem::path list = folder / "jobs.tsv";
-  if (!std::filesystem::exists(list) || nn::read_text_file(list, "the plan's jobs") != jobs)
+  if (bytes_of(list) != jobs) {
     std::filesystem::remove(folder / "merged/done");
+    std::filesystem::remove(folder / "merged/log.txt");
+  }
   nn::write_file(list, jobs);
   nn::write_file(folder / "settings.sh", settings_of(plan));
   const std::pair<const char*, std::string_view> scripts[] = {{"step.sh", embedded::fleet_step_sh()},

@@ -8,7 +8,16 @@ namespace penumbra::slam {
 
 namespace {
 
-bool is_known_to_move(const Track& track) { return track.moves() && track.instance.measured; }
+constexpr double kSameMask = 0.7;  // overlap from which on two masks are one thing's whatever their depths
+
+bool is_known_to_move(const Track& track) {
+  return track.moves() && track.instance.measured && !track.instance.part;
+}
+
+// Whether detectors take them for each other; "" may be anything.
+bool are_alike(const std::string& a, const std::string& b) {
+  return a.empty() || a == b || (is_vehicle_class(a) && is_vehicle_class(b));
+}
 
 // How the frame showed the track; nullptr where it did not.
 const InstanceView* view_in(const Track& track, int frame) {
@@ -34,8 +43,8 @@ double fit_of(const Instance& instance, const InstanceView& view, const Track& t
   const double nearest = nearest_metres(view, settings);
   double fit = 0.0;
   if (const InstanceView* known = view_in(track, view.frame)) {
-    if (!depths_meet(*known, view)) return 0.0;
     const double shared = overlap(*known, view);
+    if (shared < kSameMask && !depths_meet(*known, view)) return 0.0;
     const double apart = (known->centre - view.centre).norm();
     if (shared >= settings.least_overlap) {
       fit = 1.0 + shared;
@@ -79,7 +88,9 @@ const Track* whole_of(const Instance& part, const InstanceView& view, const std:
   for (const Track& track : tracks) {
     const InstanceView* whole = view_in(track, view.frame);
     if (whole == nullptr || !is_known_to_move(track) || !depths_meet(*whole, view)) continue;
-    if ((whole->centre - view.centre).norm() < nearest_metres(view, settings) ||
+    if (whole->area() < view.area()) continue;
+    const bool is_near = (whole->centre - view.centre).norm() < nearest_metres(view, settings);
+    if ((is_near && are_alike(track.instance.class_name, part.class_name)) ||
         containment(*whole, view) >= settings.least_containment)
       return &track;
   }
@@ -90,8 +101,7 @@ bool shows_mover(const Instance& instance, const InstanceView& view, const std::
                  const std::vector<char>& taken, const FrameHistory& history,
                  const InstanceTrackerSettings& settings) {
   const int owner = owner_of(instance, view, tracks, taken, history, settings);
-  return owner >= 0 ? is_known_to_move(tracks[static_cast<std::size_t>(owner)])
-                    : whole_of(instance, view, tracks, settings) != nullptr;
+  return owner >= 0 && is_known_to_move(tracks[static_cast<std::size_t>(owner)]);
 }
 
 }  // namespace penumbra::slam

@@ -1,10 +1,10 @@
 // Which of the known objects an instance shows.
 //
 // What can move by its class and what cannot are two things, however their masks overlap: who walks past a
-// chair is not the chair. Nor is what is near one thing with what shows beside it, further away: the depths
-// must meet. By overlap of their masks in the instance's frame; else, with the same class, by how much of
-// the smaller one the other contains, or by how close their places in space are. What is out of sight is
-// compared with where it stood when it was last seen.
+// chair is not the chair. What is near and what is far are two things, unless their masks are nearly the
+// same: far depths are uncertain. By overlap of their masks in the instance's frame; else, with the same
+// class, by how much of the smaller one the other contains, or by how close their places in space are. What
+// is out of sight is compared with where it stood when it was last seen.
 //
 // Of what fills the view a detector gives several masks, each of another part, and cuts it anew from frame
 // to frame. So what shows no known object may be a part of one that moves.
@@ -25,15 +25,16 @@ int owner_of(const Instance& instance, const InstanceView& view, const std::vect
              const std::vector<char>& taken, const FrameHistory& history,
              const InstanceTrackerSettings& settings);
 
-// What is known to move and is where `part` is, whatever its class: nearer than two things of one class may
-// be, or sharing as much of their masks. `part` can move by its class. nullptr for none.
+// The object that `part` is a part of: it is known to move by evidence of its own, its depths meet the
+// part's, its mask is no smaller, and `part` lies in it (least_containment) or beside it (nearest_metres,
+// where both are vehicles or of one class). `part` can move by its class. nullptr for none.
 const Track* whole_of(const Instance& part, const InstanceView& view, const std::vector<Track>& tracks,
                       const InstanceTrackerSettings& settings);
 
-// Whether it shows something that is known to move, or a part of that. Then it may be less certain: a thing
-// that covers itself in part or leaves the image is there, though its score falls. Source: Zhang et al.,
-// ByteTrack: Multi-Object Tracking by Associating Every Detection Box (ECCV 2022), which offers detections
-// of low scores to what is tracked, and begins nothing new with them.
+// Whether it shows an object that is known to move. Then a lower score will do: what leaves the image or is
+// hidden more and more is still there. Source: Zhang et al., ByteTrack: Multi-Object Tracking by Associating
+// Every Detection Box (ECCV 2022), which offers detections of low scores to what is tracked, and begins
+// nothing new with them.
 bool shows_mover(const Instance& instance, const InstanceView& view, const std::vector<Track>& tracks,
                  const std::vector<char>& taken, const FrameHistory& history,
                  const InstanceTrackerSettings& settings);

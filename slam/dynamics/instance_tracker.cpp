@@ -99,8 +99,8 @@ void InstanceTracker::mark(const Track& track, FrameRecord& at, const InstanceVi
   if (!track.moves()) return;
   const bool proven = track.instance.measured;
   if (at.keyframe != nullptr) {
-    // The map's: not ours to change, nor on suspicion.
-    if (!proven) return;
+    // The map's: not ours to change on suspicion, nor on what is known of another.
+    if (!proven || track.instance.part) return;
     moving_features_.push_back({at.keyframe, view.features});
     std::erase_if(moving_features_.back().features, [&](int i) { return at.stands(i); });
     return;

@@ -11,8 +11,8 @@ struct InstanceTrackerSettings {
   InstanceViewSettings view;
   ObjectMotionSettings motion;
   CompanionSettings companions;
-  double least_score = 0.5;         // instances below it are ignored ...
-  double known_score_share = 0.6;   // ... from this share of it on unless they show a known mover
+  double least_score = 0.5;         // instances below it are ignored
+  double known_score_share = 0.6;   // of it, that is enough for what shows an object known to move
   bool check_motion = true;         // false: whatever can move counts as moving, as DynaSLAM's prior has it
   int history = 60;                 // frames that a late result may be about
   int frames_back = 5;              // from which a new object's points are looked up

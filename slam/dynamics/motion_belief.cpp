@@ -38,6 +38,7 @@ void MotionBelief::presume_moving(TrackedInstance& instance) const {
 }
 
 void MotionBelief::take_over(TrackedInstance& part, const TrackedInstance& whole) const {
+  part.part = true;
   part.log_odds = whole.log_odds;
   part.measured = whole.measured;
   part.velocity = whole.velocity;
@@ -82,6 +83,7 @@ bool MotionBelief::learn(TrackedInstance& instance, const std::vector<PointOrigi
       std::clamp(moving_evidence(*velocity, settings_.motion), kLeastEvidence, kMostEvidence);
   instance.log_odds = std::clamp(instance.log_odds + evidence, -kLargestLogOdds, kLargestLogOdds);
   instance.measured = true;
+  instance.part = false;
   return true;
 }
 

@@ -38,7 +38,7 @@ class MotionBelief {
   bool learn(TrackedInstance& instance, const std::vector<PointOrigin>& origins, const InstanceView& view,
              const FrameRecord& at) const;
   // The same of a track's newest view; points that were watched for long enough begin anew. Without `learns`
-  // it only does that. What is seen moving is there, whether or not it was found again.
+  // it only does that. What is measured and believed to move counts as found.
   void measure(Track& track, const FrameRecord& at, bool learns) const;
 
   // Where the features of a view are in frame `at`.

@@ -26,7 +26,8 @@ struct TrackedInstance {
   int first_frame = 0, last_frame = 0;  // that showed it
   double log_odds = 0.0;                // of moving
   bool can_move = true;
-  bool measured = false;                               // whether there is evidence beside the prior
+  bool measured = false;  // whether there is evidence beside the prior
+  bool part = false;      // its motion is another's, in which it lies: of its own nothing is known yet
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // metres a second, odometry's frame
   Eigen::Vector3d size = Eigen::Vector3d::Zero();      // box around its points as last seen, metres
   double visible_share = 1.0;  // area of its mask, compared with the largest that it had for its depth

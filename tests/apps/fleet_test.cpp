@@ -98,6 +98,7 @@ TEST_F(Fleet, APlanIsScriptsAndALineARecording) {
   EXPECT_EQ(nn::read_file(folder / "plan/jobs.tsv", "text"),
             "one\t/data/night 1\t'it'\\''s here.bag' --filter off\ntwo\t/data/night 1\tb.bag\n");
   write("plan/merged/done", "the maps of these");
+  write("plan/merged/log.txt", "== Monday\nresults in merged\n");
   write_fleet_plan(folder / "plan", plan);
   EXPECT_EQ(why_not_merged(folder / "plan"), "");
   plan.recordings.pop_back();

@@ -56,8 +56,9 @@ class SpatialAttention(nn.Module):
         pooled = torch.stack(LargestAndMean.apply(pixels(f), False), 1).unflatten(2, f.shape[2:])
         return self.gain * torch.sigmoid(F.conv2d(pooled, self.weight, padding=3))
 
-    def forward(self, f):
-        return self.gate(f) * f
+    def forward(self, f, read=None):
+        """`read`: what the gate reads, where that is not `f`."""
+        return self.gate(f if read is None else read) * f
 
 
 class ChannelAttention(nn.Module):
@@ -77,8 +78,8 @@ class ChannelAttention(nn.Module):
         largest, mean = LargestAndMean.apply(pixels(f), True)
         return self.gain * torch.sigmoid(self.mlp(largest) + self.mlp(mean))[:, :, None, None]
 
-    def forward(self, f):
-        return self.gate(f) * f
+    def forward(self, f, read=None):
+        return self.gate(f if read is None else read) * f
 
 
 ORDERS = ("spatial", "channel", "spatial-channel", "channel-spatial")  # one gate alone, the paper's order, the other one
@@ -101,7 +102,7 @@ class MixedAttention(nn.Module):
     def forward(self, f):
         for name in self.order:
             attention = getattr(self, name)
-            f = attention.gate(self.norms[name](f)) * f if self.norms else attention(f)
+            f = attention(f, self.norms[name](f)) if self.norms else attention(f)
         return f
 
 

@@ -39,7 +39,7 @@ class Gates:
     @staticmethod
     def keep(where, level):
         def hook(module, inputs, _):
-            where[level] = module.gate(inputs[0])[0].squeeze().numpy()
+            where[level] = module.gate(inputs[-1])[0].squeeze().numpy()
         return hook
 
     def over(self, height, width):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """AP of a weights file as evaluate.py gives it, but with PyTorch's forward instead of Penumbra's engine: for networks that
-the engine refuses (channel attention before spatial), or to compare the two. Judged by `penumbra eval-coco`.
+the engine refuses (kinds that are for comparison only), or to compare the two. Judged by `penumbra eval-coco`.
 
   evaluate_in_python.py out/channel-spatial_1/weights.safetensors --annotations val/instances.json --images val --out out/python
 """

@@ -11,7 +11,7 @@ def read_state(path):
     """A state dict of train.py's checkpoint.pt, of its weights.safetensors, or torchvision's."""
     if str(path).endswith(".safetensors"):
         state, metadata = safetensors_file.load(path)
-        state = {re.sub(r"\.attention_[a-z-]+\.", ".attention.", name): value for name, value in state.items()}
+        state = {re.sub(r"\.attention_[a-z_-]+\.", ".attention.", name): value for name, value in state.items()}
         kind = metadata.get("attention", "spatial-channel")
         if kind in ORDERS and any(".attention." in name for name in state):  # back to gates of 2 sigmoid
             state = fold_gains(state, 0.5, kind)

@@ -72,6 +72,9 @@ def weights_come_back_from_their_file():
                 parameter.data = parameter.data.half().float()
             for parameter in trained.backbone.fpn.attention.parameters():
                 parameter.data = torch.randn(parameter.shape).mul_(0.3).half().float()
+            for buffer in trained.backbone.fpn.attention.buffers():
+                if buffer.is_floating_point():
+                    buffer.data = torch.rand(buffer.shape).add_(0.5).half().float()
             export(path, trained, TINY, order)
             load_initial(again, path)
             if not all(torch.allclose(a, b, rtol=1e-5, atol=1e-6) for a, b in zip(maps(trained), maps(again))):

@@ -81,8 +81,9 @@ TEST_F(InstanceAssociation, WhatIsFurtherAwayIsAnotherThing) {
   for (const char* name : {"car", ""}) {
     tracks = {track_of(name, view_at(4, 100, 20.0))};
     EXPECT_EQ(owner(view_at(4, 100, 21.5)), 0);
-    EXPECT_EQ(owner(view_at(4, 100, 2.0)), -1);
-    EXPECT_EQ(owner(view_at(4, 100, 30.0)), -1);
+    EXPECT_EQ(owner(view_at(4, 110, 2.0)), -1);
+    EXPECT_EQ(owner(view_at(4, 101, 30.0)), 0) << "the same mask: its depth is uncertain";
+    EXPECT_EQ(owner(view_at(4, 110, 30.0)), -1);
   }
 }
 
@@ -97,11 +98,20 @@ TEST_F(InstanceAssociation, APartIsWhereItsWholeIs) {
   EXPECT_EQ(whole(view_at(4, 150, 2.0)), nullptr);
   EXPECT_EQ(whole(view_at(4, 120, 5.0)), nullptr) << "behind it";
   EXPECT_EQ(whole(view_at(3, 120, 2.0)), nullptr) << "not in that frame";
+  tracks[0].instance.part = true;
+  EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "itself only a part";
+  tracks[0].instance.part = false;
+  tracks[0].views[0].mask.row(0)[0] = 0;
+  EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "smaller than its part";
+  tracks[0].views[0].mask.row(0)[0] = 255;
+  tracks[0].instance.class_name = "person";
+  EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "a car beside somebody who walks";
+  EXPECT_EQ(whole(view_at(4, 112, 2.0)), &tracks[0]) << "in it";
   car.class_name = "sign";
   EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "cannot move";
 }
 
-TEST_F(InstanceAssociation, ShowsAMoverAsItselfOrAsAPart) {
+TEST_F(InstanceAssociation, ShowsAMoverThatIsKnown) {
   tracks = {track_of("truck", view_at(4, 100, 2.0))};
   const auto shows = [&](const InstanceView& view) {
     return shows_mover(car, view, tracks, std::vector<char>(tracks.size(), 0), history, settings);
@@ -109,9 +119,9 @@ TEST_F(InstanceAssociation, ShowsAMoverAsItselfOrAsAPart) {
   EXPECT_FALSE(shows(view_at(4, 102, 2.0)));
   tracks[0].instance.log_odds = 3.0;
   tracks[0].instance.measured = true;
-  EXPECT_TRUE(shows(view_at(4, 102, 2.0))) << "itself";
-  EXPECT_TRUE(shows(view_at(4, 125, 2.0))) << "a part";
-  EXPECT_FALSE(shows(view_at(4, 102, 20.0)));
+  EXPECT_TRUE(shows(view_at(4, 102, 2.0)));
+  EXPECT_FALSE(shows(view_at(4, 125, 2.0))) << "a part is new";
+  EXPECT_FALSE(shows(view_at(4, 110, 20.0)));
   tracks.push_back(track_of("car", view_at(4, 126, 2.0)));
   EXPECT_FALSE(shows(view_at(4, 125, 2.0))) << "a car that nothing is known of";
 }

@@ -159,18 +159,24 @@ TEST(InstanceTracker, SeesThatACarMovesAndCarriesItsMask) {
 
 // A detector that gives the parts of what it has found before: they are not of unknown motion.
 TEST(InstanceTracker, APartOfACarThatMovesMoves) {
-  Drive drive(8.0, masks_only());
-  drive.to(8);
-  drive.tracker.add(6, {drive.street.instance(6, "car")});
-  Instance part = drive.street.instance(7, "truck");
-  part.region.width /= 3;
+  InstanceTrackerSettings settings = masks_only();
+  settings.frames_back = 0;  // nothing can be learned of the part itself
+  Drive drive(8.0, settings);
+  drive.to(4);
+  drive.tracker.add(3, {drive.street.instance(3, "car")});
+  drive.to(11);
+  drive.tracker.add(10, {drive.street.instance(10, "car")});
+  ASSERT_GT(drive.tracker.instances()[0].log_odds, 3.0);
+  Instance part = drive.street.instance(10, "truck");
+  part.region.width /= 4;
   part.mask = ByteImage::filled(part.region.width, part.region.height, 255);
-  drive.tracker.add(7, {part, drive.street.instance(7, "car")});
+  part.score = 0.6F;
+  drive.tracker.add(10, {part, drive.street.instance(10, "car")});
   const std::vector<TrackedInstance> found = drive.tracker.instances();
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_EQ(found[1].state(), MotionState::moving);
-  EXPECT_GT(found[1].moving_probability(), 0.9);
-  EXPECT_TRUE(found[1].measured);
+  EXPECT_EQ(found[1].class_name, "truck");
+  EXPECT_EQ(found[1].log_odds, found[0].log_odds);
+  EXPECT_TRUE(found[1].part);
 }
 
 TEST(InstanceTracker, LessCertainDetectionsShowOnlyWhatIsKnownToMove) {
