@@ -84,7 +84,7 @@ int owner_of(const Instance& instance, const InstanceView& view, const std::vect
 
 const Track* whole_of(const Instance& part, const InstanceView& view, const std::vector<Track>& tracks,
                       const InstanceTrackerSettings& settings) {
-  if (!is_movable_class(part.class_name)) return nullptr;
+  if (!settings.check_motion || !is_movable_class(part.class_name)) return nullptr;
   for (const Track& track : tracks) {
     const InstanceView* whole = view_in(track, view.frame);
     if (whole == nullptr || !is_known_to_move(track) || !depths_meet(*whole, view)) continue;

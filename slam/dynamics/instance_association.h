@@ -27,7 +27,8 @@ int owner_of(const Instance& instance, const InstanceView& view, const std::vect
 
 // The object that `part` is a part of: it is known to move by evidence of its own, its depths meet the
 // part's, its mask is no smaller, and `part` lies in it (least_containment) or beside it (nearest_metres,
-// where both are vehicles or of one class). `part` can move by its class. nullptr for none.
+// where both are vehicles or of one class). `part` can move by its class. nullptr for none, and
+// where classes decide what moves.
 const Track* whole_of(const Instance& part, const InstanceView& view, const std::vector<Track>& tracks,
                       const InstanceTrackerSettings& settings);
 

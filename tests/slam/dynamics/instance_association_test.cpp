@@ -107,6 +107,9 @@ TEST_F(InstanceAssociation, APartIsWhereItsWholeIs) {
   tracks[0].instance.class_name = "person";
   EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "a car beside somebody who walks";
   EXPECT_EQ(whole(view_at(4, 112, 2.0)), &tracks[0]) << "in it";
+  settings.check_motion = false;
+  EXPECT_EQ(whole(view_at(4, 112, 2.0)), nullptr) << "its class decides";
+  settings.check_motion = true;
   car.class_name = "sign";
   EXPECT_EQ(whole(view_at(4, 120, 2.0)), nullptr) << "cannot move";
 }
