@@ -21,6 +21,7 @@ import argparse
 import contextlib
 import copy
 import pathlib
+import signal
 import sys
 
 import torch
@@ -197,6 +198,7 @@ def runs(options):
 
 def main():
     options = arguments()
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # as an exception, so that files are cleared up
     trainings, data = list(runs(options)), packed(options)
     for one in trainings:
         one.out.mkdir(parents=True, exist_ok=True)
