@@ -112,7 +112,7 @@ class MixedAttentionPyramid(nn.Module):
 
     def __init__(self, pyramid, reduction=16, gain=1.0, kind="spatial-channel"):
         super().__init__()
-        self.after_sum = kind == "after-sum"
+        self.kind, self.after_sum = kind, kind == "after-sum"
         self.inner_blocks = pyramid.inner_blocks
         self.layer_blocks = pyramid.layer_blocks
         self.extra_blocks = pyramid.extra_blocks

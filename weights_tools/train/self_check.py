@@ -61,6 +61,14 @@ def folding_keeps_the_outputs():
     return True
 
 
+def loads(model, path):
+    try:
+        load_initial(model, path)
+    except SystemExit:
+        return False
+    return True
+
+
 def weights_come_back_from_their_file():
     """Export and --init, for every kind of network; and a gate that was not trained starts as one that can learn."""
     with tempfile.TemporaryDirectory() as folder:
@@ -77,6 +85,8 @@ def weights_come_back_from_their_file():
                     buffer.data = torch.rand(buffer.shape).add_(0.5).half().float()
             export(path, trained, TINY, order)
             load_initial(again, path)
+            if order == "after-sum" and loads(both, path):  # into the paper's kind, which has the same names
+                return False
             if not all(torch.allclose(a, b, rtol=1e-5, atol=1e-6) for a, b in zip(maps(trained), maps(again))):
                 return False
             if order in ("spatial", "channel"):
