@@ -110,10 +110,10 @@ void require_options(const std::vector<std::string>& arguments, const std::strin
   for (const CLI::Option* option : app.get_subcommand("slam")->get_options()) {
     const std::string type = option->get_type_name();
     if (!type.starts_with("FILE") && !type.starts_with("DIR")) continue;
-    for (const std::string& named : option->results())
+    for (const std::string& named : option->results()) {
       require_existing(named, place, "what " + option->get_name() + " names");
-    if (option->get_name() != "--settings") continue;
-    for (const std::string& named : option->results()) require_settings(named, place);
+      if (option->get_name() == "--settings") require_settings(named, place);
+    }
   }
 }
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "apps/common/command_line.h"
 #include "apps/view/embedded_files.h"
@@ -20,12 +18,6 @@ std::size_t district_size_of(std::size_t recordings) {
   constexpr std::size_t kAllAtOnce = 40;
   if (recordings <= kAllAtOnce) return 0;
   return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(recordings))));
-}
-
-// "" where there is no such file.
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string settings_of(const FleetPlan& plan) {
@@ -59,7 +51,7 @@ void write_fleet_plan(const std::filesystem::path& folder, const FleetPlan& plan
   }
   // A map that was merged of other recordings is not this plan's: it is kept, but not reported.
   const std::filesystem::path list = folder / "jobs.tsv";
-  if (bytes_of(list) != jobs) {
+  if (!std::filesystem::exists(list) || nn::read_file(list, "a plan's jobs") != jobs) {
     std::filesystem::remove(folder / "merged/done");
     std::filesystem::remove(folder / "merged/log.txt");
   }

@@ -10,10 +10,6 @@ namespace {
 
 constexpr double kSameMask = 0.7;  // overlap from which on two masks are one thing's whatever their depths
 
-bool is_known_to_move(const Track& track) {
-  return track.moves() && track.instance.measured && !track.instance.part;
-}
-
 // Whether detectors take them for each other; "" may be anything.
 bool are_alike(const std::string& a, const std::string& b) {
   return a.empty() || a == b || (is_vehicle_class(a) && is_vehicle_class(b));
@@ -87,7 +83,7 @@ const Track* whole_of(const Instance& part, const InstanceView& view, const std:
   if (!settings.check_motion || !is_movable_class(part.class_name)) return nullptr;
   for (const Track& track : tracks) {
     const InstanceView* whole = view_in(track, view.frame);
-    if (whole == nullptr || !is_known_to_move(track) || !depths_meet(*whole, view)) continue;
+    if (whole == nullptr || !track.is_known_to_move() || !depths_meet(*whole, view)) continue;
     if (whole->area() < view.area()) continue;
     const bool is_near = (whole->centre - view.centre).norm() < nearest_metres(view, settings);
     if ((is_near && are_alike(track.instance.class_name, part.class_name)) ||
@@ -95,13 +91,6 @@ const Track* whole_of(const Instance& part, const InstanceView& view, const std:
       return &track;
   }
   return nullptr;
-}
-
-bool shows_mover(const Instance& instance, const InstanceView& view, const std::vector<Track>& tracks,
-                 const std::vector<char>& taken, const FrameHistory& history,
-                 const InstanceTrackerSettings& settings) {
-  const int owner = owner_of(instance, view, tracks, taken, history, settings);
-  return owner >= 0 && is_known_to_move(tracks[static_cast<std::size_t>(owner)]);
 }
 
 }  // namespace penumbra::slam

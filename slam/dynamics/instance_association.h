@@ -32,12 +32,4 @@ int owner_of(const Instance& instance, const InstanceView& view, const std::vect
 const Track* whole_of(const Instance& part, const InstanceView& view, const std::vector<Track>& tracks,
                       const InstanceTrackerSettings& settings);
 
-// Whether it shows an object that is known to move. Then a lower score will do: what leaves the image or is
-// hidden more and more is still there. Source: Zhang et al., ByteTrack: Multi-Object Tracking by Associating
-// Every Detection Box (ECCV 2022), which offers detections of low scores to what is tracked, and begins
-// nothing new with them.
-bool shows_mover(const Instance& instance, const InstanceView& view, const std::vector<Track>& tracks,
-                 const std::vector<char>& taken, const FrameHistory& history,
-                 const InstanceTrackerSettings& settings);
-
 }  // namespace penumbra::slam

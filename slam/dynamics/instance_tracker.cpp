@@ -97,17 +97,16 @@ bool InstanceTracker::can_spare(const FeatureView& features, const std::vector<i
 
 void InstanceTracker::mark(const Track& track, FrameRecord& at, const InstanceView& view) {
   if (!track.moves()) return;
-  const bool proven = track.instance.measured;
   if (at.keyframe != nullptr) {
     // The map's: not ours to change on suspicion, nor on what is known of another.
-    if (!proven || track.instance.part) return;
+    if (!track.is_known_to_move()) return;
     moving_features_.push_back({at.keyframe, view.features});
     std::erase_if(moving_features_.back().features, [&](int i) { return at.stands(i); });
     return;
   }
   // Where the way is lost nobody begins anew on something large that may drive away.
   const bool is_large = view.area() >= settings_.large_share * camera_.width * camera_.height;
-  if (!proven && !(is_large && !trusted_) && !can_spare(at.view(), view.features)) return;
+  if (!track.instance.measured && !(is_large && !trusted_) && !can_spare(at.view(), view.features)) return;
   for (const int i : view.features) {
     if (!at.stands(i)) at.movable[static_cast<std::size_t>(i)] = 1;
   }
@@ -203,6 +202,8 @@ void InstanceTracker::place(Track& track, const InstanceView& view, bool is_new)
 void InstanceTracker::add(const FrameRecord& at, const Instance& found, const InstanceView& view, bool moves,
                           std::vector<char>& taken) {
   const int owner = owner_of(found, view, tracks_, taken, history_, settings_);
+  const bool shows_mover = owner >= 0 && tracks_[static_cast<std::size_t>(owner)].is_known_to_move();
+  if (!moves && found.score < settings_.least_score && !shows_mover) return;
   const std::size_t place_in_list = owner >= 0 ? static_cast<std::size_t>(owner) : tracks_.size();
   if (owner < 0) {
     TrackedInstance known = belief_.prior(found.class_name);
@@ -240,9 +241,7 @@ void InstanceTracker::add(int frame, const std::vector<Instance>& instances) {
                    [](const Instance* a, const Instance* b) { return a->score > b->score; });
   for (const Instance* found : order) {
     const std::optional<InstanceView> view = make_view(camera_, frame, *found, at->view(), settings_.view);
-    if (view && (found->score >= settings_.least_score ||
-                 shows_mover(*found, *view, tracks_, taken, history_, settings_)))
-      add(*at, *found, *view, false, taken);
+    if (view) add(*at, *found, *view, false, taken);
   }
   for (std::size_t t = 0; t < taken.size(); ++t) {
     Track& track = tracks_[t];

@@ -10,6 +10,11 @@
 // what is told of the objects (track_report.h).
 // What comes of it are marks of features, before the pose, and edits to the map.
 //
+// For an object that is known to move a lower score is enough: what leaves the image or is hidden more and
+// more is still there. Source: Zhang et al., ByteTrack: Multi-Object Tracking by Associating Every Detection
+// Box (ECCV 2022), which offers detections of low scores to what is tracked, and begins nothing new with
+// them.
+//
 // Until there is evidence of its motion, also from the frames before it was found, an object of a class that
 // usually moves counts as moving: its features are left out where enough others remain, but it covers nothing
 // and takes nothing off the map. (Where the way is lost suspicion is enough against what is large: nobody

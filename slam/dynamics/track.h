@@ -58,6 +58,8 @@ struct Track {
   bool active = false;               // in view
 
   bool moves() const { return instance.state() == MotionState::moving; }
+  // By evidence of its own, or because its class decides.
+  bool is_known_to_move() const { return moves() && instance.measured && !instance.part; }
 };
 
 }  // namespace penumbra::slam

@@ -43,7 +43,15 @@ def pixels(f):
     return f.permute(0, 2, 3, 1).flatten(1, 2)
 
 
-class SpatialAttention(nn.Module):
+class Gated(nn.Module):
+    """gate(F) * F"""
+
+    def forward(self, f, read=None):
+        """`read`: what the gate reads, where that is not `f`."""
+        return self.gate(f if read is None else read) * f
+
+
+class SpatialAttention(Gated):
     """M_s(F) = gain sigmoid(Conv7x7([max_c F ; mean_c F])) * F                                         (4), (5)"""
 
     def __init__(self, gain=1.0):
@@ -56,12 +64,8 @@ class SpatialAttention(nn.Module):
         pooled = torch.stack(LargestAndMean.apply(pixels(f), False), 1).unflatten(2, f.shape[2:])
         return self.gain * torch.sigmoid(F.conv2d(pooled, self.weight, padding=3))
 
-    def forward(self, f, read=None):
-        """`read`: what the gate reads, where that is not `f`."""
-        return self.gate(f if read is None else read) * f
 
-
-class ChannelAttention(nn.Module):
+class ChannelAttention(Gated):
     """M_c(F) = gain sigmoid(MLP(max_hw F) + MLP(mean_hw F)) * F, MLP: C -> C/r -> ReLU -> C             (6), (7)"""
 
     def __init__(self, channels=256, reduction=16, gain=1.0):
@@ -77,9 +81,6 @@ class ChannelAttention(nn.Module):
         """[N, C, 1, 1]"""
         largest, mean = LargestAndMean.apply(pixels(f), True)
         return self.gain * torch.sigmoid(self.mlp(largest) + self.mlp(mean))[:, :, None, None]
-
-    def forward(self, f, read=None):
-        return self.gate(f if read is None else read) * f
 
 
 ORDERS = ("spatial", "channel", "spatial-channel", "channel-spatial")  # one gate alone, the paper's order, the other one

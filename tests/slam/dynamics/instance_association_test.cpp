@@ -117,7 +117,8 @@ TEST_F(InstanceAssociation, APartIsWhereItsWholeIs) {
 TEST_F(InstanceAssociation, ShowsAMoverThatIsKnown) {
   tracks = {track_of("truck", view_at(4, 100, 2.0))};
   const auto shows = [&](const InstanceView& view) {
-    return shows_mover(car, view, tracks, std::vector<char>(tracks.size(), 0), history, settings);
+    const int shown = owner(view);
+    return shown >= 0 && tracks[static_cast<std::size_t>(shown)].is_known_to_move();
   };
   EXPECT_FALSE(shows(view_at(4, 102, 2.0)));
   tracks[0].instance.log_odds = 3.0;
